@@ -103,6 +103,8 @@ bool Session::is_left_out(Radar* radar, ti::Frame* frame) {
 }
 
 void Session::take(std::size_t r, ti::Frame* frame) {
+  newest_frame_ = std::max(newest_frame_, frame->last_arrival);
+  if (newest_imu_ == Time{0}) newest_imu_ = newest_frame_;
   if (is_left_out(&radars_[r], frame)) return;
   ++radars_[r].frames.used;
   frame->scan.time -= host_offset();
@@ -131,6 +133,7 @@ void Session::end() {
 void Session::imu(const ImuSample& sample, Time arrival) {
   flush_held(arrival);
   ++imu_samples_;
+  newest_imu_ = arrival;
   offset_.add(sample.time, arrival);
   (void)odometry_->add_imu(sample);  // its outcome is counted
   tell_estimate();

@@ -83,6 +83,9 @@ class Session {
   /// What is wrong with the times of most frames of a radar, and what to do; empty if nothing is.
   std::string times_problem(std::size_t r) const;
   std::uint64_t imu_samples() const { return imu_samples_; }
+  /// How long no sample has come, at the newest frame of a radar: since the newest sample, or since
+  /// the first frame if there is none.
+  Time imu_silence() const { return newest_frame_ - newest_imu_; }
 
  private:
   struct Radar {
@@ -116,6 +119,8 @@ class Session {
   std::size_t next_pending_ = 0;
   std::uint64_t scans_reported_ = 0;
   std::uint64_t imu_samples_ = 0;
+  Time newest_imu_{0};    ///< arrival of the newest sample; of the first frame if there is none
+  Time newest_frame_{0};  ///< same of the newest frame
 };
 
 /// Says, once, why a radar gives no scans, or none with the right times.

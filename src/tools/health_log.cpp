@@ -63,13 +63,14 @@ void HealthLog::add(Time time, const Health& health) {
   }
 }
 
-void HealthLog::conclude(const Calibrations& calibration, bool too_fast, double used) {
+void HealthLog::conclude(const Calibrations& calibration, bool too_fast, double used,
+                         const std::string& doubt) {
   used_ = used;
-  calibration_.clear();
+  doubts_ = doubt;
   for (const CalibrationLine& line : calibration_lines(calibration)) {
     if (line.check.empty()) continue;
-    append(&calibration_, fmt::format("{} is {}, check {}", line.name,
-                                      to_string(line.report.observability), line.check));
+    append(&doubts_, fmt::format("{} is {}, check {}", line.name,
+                                 to_string(line.report.observability), line.check));
   }
   lost_because_.clear();
   if (too_fast) append(&lost_because_, "faster or farther than anything that carries a radar");
@@ -91,7 +92,7 @@ std::string HealthLog::verdict() const {
     append(&why, fmt::format("{} for {:.1f} s, first at {:.1f} s", to_string(reason_at(i)),
                              reason.seconds, to_seconds(reason.first - begin_)));
   }
-  if (!calibration_.empty()) append(&why, calibration_);
+  if (!doubts_.empty()) append(&why, doubts_);
   return why.empty() ? "healthy" : "doubtful: " + why;
 }
 

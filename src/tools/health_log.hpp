@@ -33,9 +33,11 @@ class HealthLog {
   void add(Time time, const Health& health);
 
   /// Calibration at the end: doubtful parameters make the verdict doubtful.
+  /// @param doubt the same of anything else; empty: none
   /// @param too_fast the path is beyond that of any vehicle
   /// @param used share of the scans of the recording
-  void conclude(const Calibrations& calibration, bool too_fast, double used = 1.0);
+  void conclude(const Calibrations& calibration, bool too_fast, double used = 1.0,
+                const std::string& doubt = {});
 
   bool lost() const { return !lost_because_.empty(); }
   /// Why the estimate is lost; empty if it is not.
@@ -58,8 +60,8 @@ class HealthLog {
   Health health_;
   std::array<double, kStates> seconds_{};  ///< in each state
   std::array<Reason, kHealthReasonCount> reasons_{};
-  double used_ = 1.0;        ///< share of the scans
-  std::string calibration_;  ///< names of its doubtful parameters
+  double used_ = 1.0;   ///< share of the scans
+  std::string doubts_;  ///< and the doubtful parameters of the calibration
   std::string lost_because_;
 };
 

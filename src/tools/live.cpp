@@ -32,6 +32,7 @@ using live::MavlinkLink;
 using live::Port;
 
 constexpr int kImuBaud = 921600;
+constexpr Time kImuPause = std::chrono::seconds(1);  // a longer one is told
 
 /// On stderr: events, and, on a terminal, a status line that is updated twice a second.
 class Screen {
@@ -114,7 +115,8 @@ class LiveRun {
   /// Prints the summary.
   /// @throws WrongResult if the estimate is lost, std::runtime_error if there is none
   void conclude() {
-    const bool lost = summary_.conclude(*session_, imu_counters(), link_ ? link_->sent() : 0);
+    const bool lost =
+        summary_.conclude(*session_, imu_counters(), imu_problem(), link_ ? link_->sent() : 0);
     view_.close(summary_.replay());
     fmt::print("{}", arguments_.json ? summary_.json() + "\n" : summary_.text());
     if (lost) throw WrongResult("the estimate is lost: " + summary_.lost_because());
@@ -123,7 +125,7 @@ class LiveRun {
       failed += (failed.empty() ? "" : "; ") + why;
     };
     if (session_->imu_samples() == 0) {
-      fail("no sample of the IMU" + imu_.why_no_sample());
+      fail(imu_problem());
     } else if (!session_->odometry().initialized()) {
       fail("no start: " + imu_.why_no_start());
     } else if (summary_.replay().updates == 0 && failed.empty()) {
@@ -139,6 +141,17 @@ class LiveRun {
                                                    session_->times_problem(r));
       if (!message.empty()) screen_.say(fmt::format("radar {}: {}", r, message));
     }
+    const bool silent = session_->imu_silence() > kImuPause;
+    if (silent != imu_silent_) screen_.say(silent ? imu_problem() : "samples of the IMU again");
+    imu_silent_ = silent;
+  }
+
+  /// Why samples are missing; empty if none are.
+  std::string imu_problem() const {
+    if (session_->imu_samples() == 0) return "no sample of the IMU" + imu_.why_no_sample();
+    const Time silence = session_->imu_silence();
+    if (silence <= kImuPause) return {};
+    return fmt::format("no sample of the IMU for {:.1f} s", to_seconds(silence));
   }
 
   /// The ports of the IMU and of the autopilot, which may be the same.
@@ -215,6 +228,7 @@ class LiveRun {
   std::list<live::Recorder> recorders_;
   std::list<live::McapRecorder> mcap_recorders_;
   std::vector<live::ScanWatch> watches_;
+  bool imu_silent_ = false;  ///< and it was told
   live::PortSet ports_;
   std::optional<MavlinkLink> link_;
   std::optional<live::Session> session_;

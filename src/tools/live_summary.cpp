@@ -97,7 +97,7 @@ LiveSummary::Radar LiveSummary::end_of(const live::Session& session, std::size_t
 }
 
 bool LiveSummary::conclude(const live::Session& session, const live::ImuCounters& imu,
-                           std::uint64_t odometry_sent) {
+                           const std::string& imu_problem, std::uint64_t odometry_sent) {
   const Odometry& odometry = session.odometry();
   for (std::size_t r = 0; r < session.radars(); ++r) {
     const Radar radar = end_of(session, r);
@@ -115,6 +115,7 @@ bool LiveSummary::conclude(const live::Session& session, const live::ImuCounters
     radars_.push_back(radar);
   }
   imu_ = imu;
+  imu_problem_ = imu_problem;
   odometry_sent_ = odometry_sent;
   replay_.initialised_by = odometry.initialized()       ? "static"
                            : session.imu_samples() == 0 ? "never: no sample of the IMU came"
@@ -126,7 +127,7 @@ bool LiveSummary::conclude(const live::Session& session, const live::ImuCounters
   if (replay_.span > Time{0}) {
     cpu_share_ = to_seconds(replay_.wall) / to_seconds(clock_.to_real(replay_.span));
   }
-  replay_.health.conclude(replay_.calibration, replay_.is_absurd());
+  replay_.health.conclude(replay_.calibration, replay_.is_absurd(), 1.0, imu_problem);
   return replay_.health.lost();
 }
 
@@ -180,6 +181,7 @@ std::string LiveSummary::json() const {
                  {"imu_samples", imu_.samples},
                  {"imu_lost", imu_.lost},
                  {"imu_damaged", imu_.damaged},
+                 {"imu_problem", imu_problem_},
                  {"odometry_sent", odometry_sent_},
                  {"radars", radars}};
   return all.dump();

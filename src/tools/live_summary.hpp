@@ -23,9 +23,11 @@ class LiveSummary : public live::Listener {
   /// One status line, without newline.
   std::string line(const live::Session& session) const;
 
-  /// At the end; @return whether the estimate is lost
+  /// At the end.
+  /// @param imu_problem why samples are missing; empty if none are
+  /// @return whether the estimate is lost
   bool conclude(const live::Session& session, const live::ImuCounters& imu,
-                std::uint64_t odometry_sent);
+                const std::string& imu_problem, std::uint64_t odometry_sent);
   std::string text() const;
   std::string json() const;
   const ReplaySummary& replay() const { return replay_; }
@@ -56,6 +58,7 @@ class LiveSummary : public live::Listener {
   Radar all_;  ///< their sums
   std::string without_scans_;
   live::ImuCounters imu_;
+  std::string imu_problem_;
   std::uint64_t odometry_sent_ = 0;
 };
 

@@ -1,12 +1,58 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Why `rio live` gets no scan, no sample or no start.
+#include <algorithm>
+#include <future>
+#include <thread>
+
 #include "e2e/tool.hpp"
+#include "live/player.hpp"
+#include "rio/io/dataset.hpp"
 #include "rio/sim/ti_packet.hpp"
 
 namespace rio::test {
 namespace {
 
-class LiveCauses : public Tool {};
+using Line = std::vector<live::Piece>;
+
+class LiveCauses : public Tool {
+ protected:
+  static const io::Dataset& recorded() {
+    static const io::Dataset kRecorded = io::read_dataset(flight_);
+    return kRecorded;
+  }
+  static Line imu() { return live::imu_line(recorded().imu, live::Cable({})).pieces(); }
+  static Line radar() {
+    const auto timing = live::simulated_timing(recorded().radar_info.rate_hz.value());
+    return live::radar_line(recorded().scans, timing, live::Cable({})).pieces();
+  }
+
+  /// The run on ports on which these bytes come in time: of the IMU, of each radar.
+  static Outcome hear(const std::vector<Line>& lines, const std::string& more) {
+    const volatile std::sig_atomic_t never = 0;
+    std::vector<live::Pty> ports(lines.size());
+    std::string command =
+        "live --patience 0 --json --speed 5 " + more + " --imu " + ports[0].path();
+    for (std::size_t r = 1; r < ports.size(); ++r) command += " --radar " + ports[r].path();
+    auto run = std::async(std::launch::async, [&] { return try_rio(command); });
+    const auto is_open = [](const live::Pty& port) { return port.is_open(); };
+    for (int i = 0; i < 500 && !std::all_of(ports.begin(), ports.end(), is_open); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    live::play(live::in_order(lines), 5.0, never, [&](const live::Event& event) {
+      return ports[event.line].write(event.piece->bytes.data(), event.piece->bytes.size());
+    });
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));  // unread bytes are lost
+    ports.clear();
+    return run.get();
+  }
+};
+
+/// The first so many seconds.
+Line first(double seconds, Line line) {
+  const Time end = line.front().due + from_seconds(seconds);
+  std::erase_if(line, [end](const live::Piece& piece) { return piece.due > end; });
+  return line;
+}
 
 /// The packet as it comes from a port.
 std::string text_of(const sim::WrittenPacket& packet) {
@@ -86,6 +132,19 @@ TEST_F(LiveCauses, SaysWhyThereAreNoSamples) {
               dir_->write("imu.bin", bytes).string() + " --imu-format " + format,
           {"no sample of the IMU" + said});
   }
+}
+
+TEST_F(LiveCauses, SaysThatTheImuHasStopped) {
+  const Outcome stopped = hear({first(4.0, imu()), first(8.0, radar())}, "--sensors " + flight_);
+  EXPECT_EQ(stopped.code, 0) << stopped.output;
+  const Json json = stopped.json();
+  const std::string problem = json["live"]["imu_problem"], verdict = json["verdict"];
+  EXPECT_TRUE(problem.starts_with("no sample of the IMU for ")) << problem;
+  EXPECT_TRUE(verdict.starts_with("doubtful: ") && verdict.ends_with(problem)) << verdict;
+  EXPECT_TRUE(stopped.output.starts_with("no sample of the IMU for ")) << stopped.output;
+  const Outcome silent = hear({{}, first(4.0, radar())}, "--sensors " + flight_);
+  EXPECT_EQ(silent.code, 1);
+  EXPECT_TRUE(silent.output.starts_with("no sample of the IMU: no byte came\n")) << silent.output;
 }
 
 /// Samples at rest that the estimator cannot start with.

@@ -176,6 +176,18 @@ TEST(Session, RecordsWhatReplaysAsItFlew) {
   EXPECT_ERROR(Recorder(dir.path() / "flight", {}), "is another recording");
 }
 
+TEST(Session, KnowsHowLongTheImuIsSilent) {
+  Session session(setup(), {});
+  fly({}, &session);
+  EXPECT_LT(session.imu_silence(), std::chrono::milliseconds(50));
+  const Time end = flight().imu.back().time + kHostAhead;
+  const Bytes packet = sim::packet_of(1, {}).bytes();
+  session.radar(0, packet.data(), packet.size(), end + std::chrono::seconds(8));
+  EXPECT_NEAR(to_seconds(session.imu_silence()), 8.0, 0.01);
+  session.imu(flight().imu.back(), end + std::chrono::seconds(9));
+  EXPECT_LT(session.imu_silence(), Time{0});
+}
+
 TEST(Session, WantsATimingForEveryRadar) {
   SessionSetup wrong = setup();
   wrong.radars.push_back(wrong.radars.front());
