@@ -58,6 +58,8 @@ class Port {
   /// For poll(2); -1 unless open.
   int fd() const { return fd_; }
   const std::string& name() const { return name_; }
+  /// Without the baud rate.
+  const std::string& path() const { return path_; }
   /// Of a serial line.
   int baud() const { return baud_; }
 

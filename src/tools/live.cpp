@@ -240,9 +240,16 @@ void live(const LiveArguments& arguments) {
   if (!arguments.cli.empty() && arguments.cli.size() != arguments.radars.size()) {
     throw std::runtime_error("--cli: as many ports as there are radars");
   }
-  protect_inputs({arguments.sensors, arguments.estimator.config, arguments.radar_cfg},
-                 {arguments.out, arguments.states, arguments.json_lines, arguments.view.report,
-                  arguments.view.mcap});
+  std::vector<std::string> ports = {arguments.imu};
+  ports.insert(ports.end(), arguments.radars.begin(), arguments.radars.end());
+  ports.insert(ports.end(), arguments.cli.begin(), arguments.cli.end());
+  std::vector<std::string> inputs = {arguments.sensors, arguments.estimator.config,
+                                     arguments.radar_cfg};
+  for (const std::string& port : ports) inputs.push_back(Port(port, kImuBaud).path());
+  std::vector<std::string> outputs = arguments.record;
+  outputs.insert(outputs.end(), {arguments.out, arguments.states, arguments.json_lines,
+                                 arguments.view.report, arguments.view.mcap});
+  protect_inputs(inputs, outputs);
   catch_stop_signals();
   LiveRun run(arguments);
   run.run();

@@ -183,6 +183,19 @@ TEST_F(LiveCauses, TheViewListensOnItsAddressAlone) {
   expect_none(sockets.output, {"00000000:494E"});
 }
 
+TEST_F(LiveCauses, ReplacesNoInput) {
+  const std::string radar = dir_->write("r.mcap", "radar"), imu = dir_->write("i.mcap", "imu");
+  const std::string live =
+      "live --sensors " + flight_ + " --radar " + radar + "@3125000 --imu " + imu;
+  for (const char* output : {"out", "states", "json-lines", "mcap", "report", "record"}) {
+    for (const std::string& input : {radar, imu}) {
+      fails(1, live + " --" + output + " " + input,
+            {"rio: " + input + ": would replace an input; nothing was written"});
+    }
+  }
+  EXPECT_EQ(dir_->read("r.mcap") + dir_->read("i.mcap"), "radarimu");
+}
+
 TEST_F(LiveCauses, WrongCommandLines) {
   const std::string imu = "live --imu " + file("nothing") + " --patience 0";
   const std::string both = imu + " --radar " + file("nothing");
