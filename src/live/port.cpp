@@ -146,6 +146,7 @@ void Port::open_udp() {
 }
 
 void Port::close() {
+  if (fd_ >= 0 && is_line_) (void)ioctl(fd_, TIOCNXCL);  // a pseudo-terminal would keep it
   if (fd_ >= 0) ::close(fd_);
   fd_ = -1;
 }
@@ -202,6 +203,10 @@ bool PortSet::wait() {
   }
   return std::any_of(entries_.begin(), entries_.end(),
                      [](const Entry& entry) { return entry.watched.needed && !entry.over; });
+}
+
+void PortSet::close() {
+  for (Entry& entry : entries_) entry.watched.port.close();
 }
 
 void PortSet::reopen(Entry* entry) {

@@ -109,6 +109,7 @@ class PortSet {
   /// Waits for bytes, 50 ms at most, and passes them on.
   /// @return false when all needed ports are over: ended, or vanished for too long
   bool wait();
+  void close();
 
  private:
   struct Entry {

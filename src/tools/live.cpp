@@ -106,10 +106,11 @@ class LiveRun {
     session_->end();
     watch();
     screen_.clear();
-    for (const std::string& cli : arguments_.cli) stop_radar(cli);
     files_.close();
     for (live::Recorder& recorder : recorders_) recorder.close();
     for (live::McapRecorder& recorder : mcap_recorders_) recorder.close();
+    ports_.close();  // one of them may be the CLI port, too
+    for (const std::string& cli : arguments_.cli) stop_radar(cli);
   }
 
   /// Prints the summary.

@@ -133,7 +133,11 @@ void send_config(const std::string& port_name, const ti::Config& config) {
 
 void stop_radar(const std::string& port_name) {
   live::Port port(port_name, kCliBaud);
-  if (port.open()) (void)write(&port, "sensorStop\n");
+  try {
+    if (port.open()) (void)write(&port, "sensorStop\n");
+  } catch (const std::runtime_error& error) {
+    print_notes({fmt::format("{}; the radar was not stopped", error.what())});
+  }
 }
 
 }  // namespace rio::tools

@@ -28,7 +28,7 @@ LiveSensors find_sensors(const LiveArguments& arguments);
 /// the refused line and the radar's answer.
 void send_config(const std::string& port_name, const ti::Config& config);
 
-/// Stops the frames of the radar, if it still listens.
+/// Stops the frames of the radar, if it still listens; notes on stderr why it cannot.
 void stop_radar(const std::string& port_name);
 
 }  // namespace rio::tools

@@ -198,17 +198,23 @@ class CliRadar {
 
 TEST_F(Live, SendsTheConfigurationFirst) {
   const std::string cfg = RIO_SOURCE_DIR "/data/awr1843boost_odometry.cfg";
-  const std::string live = "live --patience 0 --radar " + file("nothing") + " --imu " +
-                           file("nothing") + " --radar-cfg " + cfg + " --cli ";
+  const std::string live = "live --radar " + file("nothing") + " --imu " + file("nothing") +
+                           " --radar-cfg " + cfg + " --cli ";
   CliRadar radar;
-  (void)try_rio(live + radar.path());
+  (void)try_rio(live + radar.path() + " --patience 0");
   std::string wanted;
   for (const std::string& line : lines_of(cfg)) {
     if (!line.starts_with('%')) wanted += line + "\n";
   }
   EXPECT_EQ(radar.lines(), wanted + "sensorStop\n");
+  CliRadar lost;  // its port is another thing at the end
+  const std::string link = file("cli"), make = "{ sleep 1; rm " + link + "; mkdir " + link + "; }";
+  fs::create_symlink(lost.path(), link);
+  const Outcome run = run_command(make + " & " RIO_TOOL " " + live + link + " --patience 2");
+  expect_parts(run.output, {"note: " + link + ": is a folder", "not stopped", "\nverdict: "});
   CliRadar strict("profileCfg");
-  fails(1, live + strict.path(), {"profileCfg: the radar says \"Error: Invalid range; Error -1\""});
+  fails(1, live + strict.path() + " --patience 0",
+        {"profileCfg: the radar says \"Error: Invalid range; Error -1\""});
 }
 
 /// One line to the autopilot, both ways; the program ends by a signal, which comes twice, as that

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <asm/termbits.h>
+#include <fcntl.h>
 #include <poll.h>
 #include <sys/ioctl.h>
+#include <unistd.h>
 #include <memory>
 #include <string>
 #include <vector>
@@ -82,6 +84,20 @@ TEST(Port, ThatVanishesComesBackAsAnotherUnderTheSameName) {
   ASSERT_TRUE(port.open());
   ASSERT_TRUE(write(device.get(), "two"));
   EXPECT_EQ(read(&port, 3), "two");
+}
+
+TEST(Port, IsHeldAloneUntilItIsClosed) {
+  Pty device;
+  Port port(device.path(), 921600);
+  ASSERT_TRUE(port.open());
+  int alone = 0;
+  ASSERT_EQ(ioctl(port.fd(), TIOCGEXCL, &alone), 0);
+  EXPECT_NE(alone, 0);
+  port.close();
+  const int other = ::open(device.path().c_str(), O_RDWR | O_NOCTTY);
+  ASSERT_EQ(ioctl(other, TIOCGEXCL, &alone), 0);
+  EXPECT_EQ(alone, 0);
+  ::close(other);
 }
 
 TEST(Port, OfAFileEnds) {
