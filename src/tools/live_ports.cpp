@@ -32,14 +32,19 @@ void complete(io::RadarInfo* info, const ti::ConfigFigures& figures) {
   set(&info->max_range, figures.max_range);
 }
 
-/// Of the sensor file.
-Time period_of(const io::RadarInfo& info) {
-  if (!info.rate_hz || *info.rate_hz <= 0.0) {
-    throw std::runtime_error(
-        "the frame rate of the radar is not known: give --radar-cfg, or rate_hz in "
-        "radar0/sensor.yaml of --sensors");
+/// Of the sensor file of radar r, or of the first one if that has none.
+Time period_of(const io::Dataset& sensors, std::size_t r) {
+  std::optional<double> rate = sensors.radar_info.rate_hz;
+  if (r > 0 && sensors.other_radars[r - 1].info.rate_hz) {
+    rate = sensors.other_radars[r - 1].info.rate_hz;
   }
-  return from_seconds(1.0 / *info.rate_hz);
+  if (!rate || *rate <= 0.0) {
+    throw std::runtime_error(
+        fmt::format("the frame rate of the radar is not known: give --radar-cfg, or rate_hz in "
+                    "radar{}/sensor.yaml of --sensors",
+                    r));
+  }
+  return from_seconds(1.0 / *rate);
 }
 
 /// The figures of a configuration; its errors for odometry are noted.
@@ -98,10 +103,9 @@ LiveSensors find_sensors(const LiveArguments& arguments) {
     print_notes({fmt::format("{}: the configuration of {}: the frame rate is that of --sensors",
                              path, other->name)});
   }
-  if (other != nullptr || path.empty()) {
-    timing.period = period_of(sensors.info.radar_info);
-    if (other != nullptr) timing.baud = other->baud;
-  } else {
+  const bool configured = other == nullptr && !path.empty();
+  if (other != nullptr) timing.baud = other->baud;
+  if (configured) {
     const ti::ConfigFigures figures = figures_of(path, sensors.config);
     complete(&sensors.info.radar_info, figures);
     timing.period = figures.period;
@@ -110,9 +114,10 @@ LiveSensors find_sensors(const LiveArguments& arguments) {
   }
   sensors.setup.options = make_options(arguments.estimator, sensors.info);
   sensors.setup.options.timing.clock = &live::HostClock::real;
-  for (const std::string& name : arguments.radars) {
-    sensors.setup.radars.push_back(timing);
-    sensors.setup.radars.back().baud = live::Port(name, static_cast<int>(timing.baud)).baud();
+  for (std::size_t r = 0; r < arguments.radars.size(); ++r) {
+    ti::FrameTiming& of_it = sensors.setup.radars.emplace_back(timing);
+    if (!configured) of_it.period = period_of(sensors.info, r);
+    of_it.baud = live::Port(arguments.radars[r], static_cast<int>(timing.baud)).baud();
   }
   sensors.setup.imu_on_host_clock = arguments.imu_clock == "host";
   return sensors;

@@ -21,9 +21,14 @@ class LiveCauses : public Tool {
     return kRecorded;
   }
   static Line imu() { return live::imu_line(recorded().imu, live::Cable({})).pieces(); }
-  static Line radar() {
-    const auto timing = live::simulated_timing(recorded().radar_info.rate_hz.value());
-    return live::radar_line(recorded().scans, timing, live::Cable({})).pieces();
+  /// Of every so manyth scan.
+  static Line radar(std::size_t every = 1) {
+    const double rate = recorded().radar_info.rate_hz.value() / static_cast<double>(every);
+    std::vector<RadarScan> scans;
+    for (std::size_t i = 0; i < recorded().scans.size(); i += every) {
+      scans.push_back(recorded().scans[i]);
+    }
+    return live::radar_line(scans, live::simulated_timing(rate), live::Cable({})).pieces();
   }
 
   /// The run on ports on which these bytes come in time: of the IMU, of each radar.
@@ -145,6 +150,16 @@ TEST_F(LiveCauses, SaysThatTheImuHasStopped) {
   const Outcome silent = hear({{}, first(4.0, radar())}, "--sensors " + flight_);
   EXPECT_EQ(silent.code, 1);
   EXPECT_TRUE(silent.output.starts_with("no sample of the IMU: no byte came\n")) << silent.output;
+}
+
+TEST_F(LiveCauses, EachRadarHasItsRate) {
+  const fs::path two = copy("two_rates");
+  fs::copy(two / "radar0", two / "radar1");
+  ASSERT_EQ(run_command("sed -i 's/^rate_hz: 15/rate_hz: 7.5/' " + two.string() + "/radar1/*").code,
+            0);
+  const std::vector<Line> lines = {first(8.0, imu()), first(8.0, radar()), first(8.0, radar(2))};
+  const Json json = hear(lines, "--sensors " + two.string()).json();
+  EXPECT_EQ(json["live"]["radars"][1]["problem"], "") << json;
 }
 
 /// Samples at rest that the estimator cannot start with.
