@@ -45,6 +45,7 @@ Session::Session(const SessionSetup& setup, std::vector<Listener*> listeners)
   std::string why;
   odometry_ = Odometry::create(setup.options, &why);
   if (odometry_ == nullptr) throw std::runtime_error(why);
+  odometry_->on_scan([this] { tell_estimate(); });
   if (setup.radars.size() != setup.options.radars()) {
     throw std::runtime_error("not as many radars as the sensor files and options tell of");
   }
@@ -110,7 +111,7 @@ void Session::take(std::size_t r, ti::Frame* frame) {
   frame->scan.time -= host_offset();
   pending_[next_pending_++ % pending_.size()] = {frame->scan.time, frame->last_arrival};
   (void)odometry_->add_scan(frame->scan, r);  // its outcome is counted
-  tell_estimate();
+  rethrow();
   for (Listener* listener : listeners_) listener->on_scan(*this, frame->scan, r);
 }
 
@@ -136,21 +137,24 @@ void Session::imu(const ImuSample& sample, Time arrival) {
   newest_imu_ = arrival;
   offset_.add(sample.time, arrival);
   (void)odometry_->add_imu(sample);  // its outcome is counted
-  tell_estimate();
+  rethrow();
   for (Listener* listener : listeners_) listener->on_imu(*this, sample);
 }
 
-/// Of several scans in one call the last is reported.
-void Session::tell_estimate() {
-  const std::uint64_t scans = odometry_->counters().scans;
+/// Within a call of the estimator, through which no exception passes.
+void Session::tell_estimate() noexcept try {
   const UpdateReport& report = odometry_->report();
-  if (scans == scans_reported_) return;
-  scans_reported_ = scans;
   if (report.status != Status::kOk) return;
   const auto of_it = [&report](const Pending& scan) { return scan.stamp == report.time; };
   const auto scan = std::find_if(pending_.begin(), pending_.end(), of_it);
   if (scan == pending_.end()) return;
   for (Listener* listener : listeners_) listener->on_estimate(*this, scan->arrival);
+} catch (...) {
+  failed_ = std::current_exception();
+}
+
+void Session::rethrow() {
+  if (failed_) std::rethrow_exception(std::exchange(failed_, nullptr));
 }
 
 Time Session::host_offset() const {

@@ -10,6 +10,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <memory>
 #include <optional>
 #include <string>
@@ -62,6 +63,8 @@ class Session {
   /// Throws std::runtime_error if options or timing are invalid.
   /// @param listeners are called in this order, and must outlive the session
   Session(const SessionSetup& setup, std::vector<Listener*> listeners);
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
 
   /// Bytes of a radar's data port.
   void radar(std::size_t r, const std::uint8_t* bytes, std::size_t count, Time arrival);
@@ -107,7 +110,8 @@ class Session {
   void flush_held(Time now);
   void flush(std::size_t r);
   bool is_left_out(Radar* radar, ti::Frame* frame);
-  void tell_estimate();
+  void tell_estimate() noexcept;
+  void rethrow();
 
   std::unique_ptr<Odometry> odometry_;
   std::vector<Radar> radars_;
@@ -117,7 +121,7 @@ class Session {
   std::optional<Time> configured_offset_;
   std::array<Pending, 64> pending_{};  ///< ring buffer
   std::size_t next_pending_ = 0;
-  std::uint64_t scans_reported_ = 0;
+  std::exception_ptr failed_;  ///< of a listener
   std::uint64_t imu_samples_ = 0;
   Time newest_imu_{0};    ///< arrival of the newest sample; of the first frame if there is none
   Time newest_frame_{0};  ///< same of the newest frame

@@ -121,7 +121,6 @@ bool LiveSummary::conclude(const live::Session& session, const live::ImuCounters
                            : session.imu_samples() == 0 ? "never: no sample of the IMU came"
                                                         : "never: it found no standstill";
   replay_.counters = odometry.counters();
-  replay_.scans = static_cast<int>(replay_.counters.scans);  // of two in one call one is seen
   replay_.scans_before_start = static_cast<int>(replay_.counters.scans_uninitialized);
   replay_.wall = cpu_time();
   if (replay_.span > Time{0}) {

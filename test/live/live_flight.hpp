@@ -33,12 +33,14 @@ inline SessionSetup setup() {
 
 /// What a session has told.
 struct Estimates : Listener {
+  std::size_t told = 0;             ///< estimates
   std::map<Time, NavState> states;  ///< at the scans
   std::vector<RadarScan> scans;
   std::vector<ImuSample> imu;
   Time worst_lag{0};  ///< from the stamp of a scan to that of the newest sample
 
   void on_estimate(const Session& session, Time /*arrival*/) override {
+    ++told;
     states[session.odometry().report().time] = session.odometry().at_scan();
   }
   void on_scan(const Session& /*session*/, const RadarScan& scan, std::size_t /*radar*/) override {
@@ -50,20 +52,21 @@ struct Estimates : Listener {
   }
 };
 
-/// Feeds the bytes of both sensors.
+/// Feeds the bytes of the sensors; several radars see the same.
 inline void fly(const CableNoise& noise, Session* session,
                 const std::vector<RadarScan>& scans = flight().scans) {
   const auto timing = simulated_timing(flight().scenario.radar.rate_hz);
   CableNoise imu_noise = noise;
   imu_noise.seed += 1;
-  const std::vector<std::vector<Piece>> lines = {radar_line(scans, timing, Cable(noise)).pieces(),
-                                                 imu_line(flight().imu, Cable(imu_noise)).pieces()};
+  std::vector<std::vector<Piece>> lines(session->radars(),
+                                        radar_line(scans, timing, Cable(noise)).pieces());
+  lines.push_back(imu_line(flight().imu, Cable(imu_noise)).pieces());
   ImuFrameReader imu;
   for (const Event& event : in_order(lines)) {
     const Bytes& bytes = event.piece->bytes;
     const Time arrival = event.piece->due + kHostAhead;
-    if (event.line == 0) {
-      session->radar(0, bytes.data(), bytes.size(), arrival);
+    if (event.line < session->radars()) {
+      session->radar(event.line, bytes.data(), bytes.size(), arrival);
     } else {
       imu.push(bytes.data(), bytes.size(),
                [&](const ImuSample& sample) { session->imu(sample, arrival); });

@@ -97,6 +97,27 @@ TEST(Session, IsTheReplayOfItsData) {
   EXPECT_EQ(session.times_problem(0), "");
 }
 
+TEST(Session, TellsOfEachScanOfTwoRadars) {
+  SessionSetup two = setup();
+  two.radars.push_back(two.radars.front());
+  two.options.other_radars.push_back(two.options.mount(0));
+  Estimates live;
+  Session session(two, {&live});
+  fly({}, &session);
+  EXPECT_GT(live.told, 400U);
+  EXPECT_EQ(live.told, session.odometry().counters().scans);
+}
+
+TEST(Session, PassesOnWhatAListenerThrows) {
+  struct Full : Listener {
+    void on_estimate(const Session& /*session*/, Time /*arrival*/) override {
+      throw std::runtime_error("no space left");
+    }
+  } full;
+  Session session(setup(), {&full});
+  EXPECT_ERROR(fly({}, &session), "no space left");
+}
+
 TEST(Session, SaysWhyTheTimesOfMostFramesAreWrong) {
   SessionSetup wrong = setup();
   wrong.radars[0].period = wrong.radars[0].period * 15 / 16;
