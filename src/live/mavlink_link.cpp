@@ -22,6 +22,7 @@ bool MavlinkLink::send(const Message& message) {
 void MavlinkLink::receive(const std::uint8_t* bytes, std::size_t count, Time arrival,
                           const OnImu& on_imu) {
   parser_.push(bytes, count, arrival, [&](const Packet& packet) {
+    received_.insert(packet.id);
     mavlink::Timesync timesync;
     if (packet.read(&timesync)) {
       (void)timesync_.take(timesync, arrival);
@@ -63,6 +64,14 @@ void MavlinkLink::on_imu(const Session& session, const ImuSample& sample) {
       mavlink::odometry_message(now, odometry.covariance_now(), odometry.health(), sample.gyro_B,
                                 settings_.gyro_sigma, settings_.content);
   if (message && send(*message)) ++sent_;
+}
+
+std::string MavlinkLink::received() const {
+  std::string names;
+  for (const std::uint32_t id : received_) {
+    names += (names.empty() ? "" : ", ") + std::string(mavlink::find_message(id)->name);
+  }
+  return names;
 }
 
 std::optional<Time> MavlinkLink::host_offset() const {

@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <set>
+#include <string>
 
 #include "live/session.hpp"
 #include "rio/mavlink/imu.hpp"
@@ -46,6 +48,8 @@ class MavlinkLink : public Listener {
   /// This machine's clock minus the autopilot's, once known from its answers.
   std::optional<Time> host_offset() const;
   std::uint64_t sent() const { return sent_; }
+  /// Of the messages received, of those that the parser knows: "HEARTBEAT, RAW_IMU".
+  std::string received() const;
   const mavlink::ParserCounters& counters() const { return parser_.counters(); }
 
  private:
@@ -57,6 +61,7 @@ class MavlinkLink : public Listener {
   Send send_;
   mavlink::Writer writer_;
   mavlink::Parser parser_;
+  std::set<std::uint32_t> received_;  ///< messages
   mavlink::TimesyncClient timesync_;
   mavlink::RateLimiter odometry_due_;
   mavlink::RateLimiter second_{1.0};

@@ -7,12 +7,13 @@ namespace rio::mavlink {
 namespace {
 
 template <class Message>
-constexpr MessageKind kind_of() {
-  return {Message::kId, Message::kCrcExtra, Message::kBasicSize};
+constexpr MessageKind kind_of(const char* name) {
+  return {name, Message::kId, Message::kCrcExtra, Message::kBasicSize};
 }
-constexpr MessageKind kKinds[] = {kind_of<Heartbeat>(), kind_of<ScaledImu>(),
-                                  kind_of<RawImu>(),    kind_of<HighresImu>(),
-                                  kind_of<Timesync>(),  kind_of<OdometryMessage>()};
+constexpr MessageKind kKinds[] = {
+    kind_of<Heartbeat>("HEARTBEAT"), kind_of<ScaledImu>("SCALED_IMU"),
+    kind_of<RawImu>("RAW_IMU"),      kind_of<HighresImu>("HIGHRES_IMU"),
+    kind_of<Timesync>("TIMESYNC"),   kind_of<OdometryMessage>("ODOMETRY")};
 
 }  // namespace
 

@@ -149,7 +149,9 @@ class LiveRun {
 
   /// Why samples are missing; empty if none are.
   std::string imu_problem() const {
-    if (session_->imu_samples() == 0) return "no sample of the IMU" + imu_.why_no_sample();
+    if (session_->imu_samples() == 0) {
+      return "no sample of the IMU" + imu_.why_no_sample(link_ ? link_->received() : "");
+    }
     const Time silence = session_->imu_silence();
     if (silence <= kImuPause) return {};
     return fmt::format("no sample of the IMU for {:.1f} s", to_seconds(silence));

@@ -30,7 +30,7 @@ std::string ImuPort::wait(const ImuSample& sample) {
   return "IMU: no start yet: " + why_no_start();
 }
 
-std::string ImuPort::why_no_sample() const {
+std::string ImuPort::why_no_sample(const std::string& messages) const {
   const ti::PacketCounters& seen = others_.counters();
   if (seen.frames + seen.other_sdk > 0) {
     return ", but packets of a TI radar: exchange the ports of --imu and --radar";
@@ -41,8 +41,17 @@ std::string ImuPort::why_no_sample() const {
         ", but {} whose checksum is wrong: bytes are missing, or the sender packs them otherwise",
         damaged);
   }
-  if (const ti::OtherDevice* other = others_.other_device()) {
-    return fmt::format(", but {}: {}", other->what, other->at_imu);
+  const ti::OtherDevice* other = others_.other_device();
+  const std::string advice = other == nullptr ? "" : other->at_imu;
+  if (is_mavlink() && (!messages.empty() || advice.find("mavlink") != advice.npos)) {
+    const bool raw = format_ == "mavlink-raw";
+    return fmt::format(
+        ", but MAVLink without a usable {} of IMU 0 (seen: {}): have it sent, or --imu-format {}",
+        raw ? "RAW_IMU" : "HIGHRES_IMU", messages.empty() ? "none that is read" : messages,
+        raw ? "mavlink" : "mavlink-raw");
+  }
+  if (other != nullptr) {
+    return fmt::format(", but {}: {}", other->what, advice);
   }
   return fmt::format(" in {} bytes: another port, baud rate or --imu-format", seen.bytes);
 }

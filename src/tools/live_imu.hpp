@@ -32,7 +32,8 @@ class ImuPort {
     return format_ == "csv" ? lines_.counters() : frames_.counters();
   }
   /// After "no sample".
-  std::string why_no_sample() const;
+  /// @param messages of MAVLink that came
+  std::string why_no_sample(const std::string& messages) const;
   /// What `rio check` says of the samples before the start.
   std::string why_no_start() const;
 

@@ -7,6 +7,7 @@
 #include "e2e/tool.hpp"
 #include "live/player.hpp"
 #include "rio/io/dataset.hpp"
+#include "rio/mavlink/frame.hpp"
 #include "rio/sim/ti_packet.hpp"
 
 namespace rio::test {
@@ -65,6 +66,14 @@ std::string text_of(const sim::WrittenPacket& packet) {
   return {bytes.begin(), bytes.end()};
 }
 
+template <class Message>
+std::string mavlink_of(const Message& message) {
+  std::string frame(mavlink::kMaxFrame, '\0');
+  auto* const bytes = reinterpret_cast<std::uint8_t*>(frame.data());
+  frame.resize(mavlink::Writer({1, 1}).write(message, bytes, frame.size()));
+  return frame;
+}
+
 /// The IMU of a flight, and packets of such points, read at once.
 TEST_F(LiveCauses, FailsWhereNoScanIsOfUse) {
   const auto log_of = [&](std::uint32_t packets, float range, const std::string& rest = "") {
@@ -115,6 +124,9 @@ TEST_F(LiveCauses, SaysWhyThereAreNoSamples) {
   const std::string other = ": another port, baud rate or --imu-format";
   const std::string text = "1,0,0,0,0,0\n", radar = text_of(sim::packet_of(1, {}));
   const std::string frame = "RI\1" + std::string(35, '\x90');
+  const std::string heartbeat = mavlink_of(mavlink::Heartbeat{});
+  const std::string without = ", but MAVLink without a usable ";
+  const std::string raw_imu = mavlink_of(mavlink::RawImu{});
   const std::string ubx = "\xB5\x62 and more", pixhawk = "\xFE>\7\1\1i and more";
   const struct {
     std::string bytes, format, said;
@@ -129,6 +141,12 @@ TEST_F(LiveCauses, SaysWhyThereAreNoSamples) {
       {text, "mavlink-raw", ", but numbers in text, as of an IMU: --imu-format csv"},
       {ubx + ubx + ubx, "binary", ", but UBX of a GNSS receiver: not read; send its samples"},
       {pixhawk + pixhawk + pixhawk, "csv", ", but MAVLink of an autopilot: --imu-format mavlink"},
+      {heartbeat + raw_imu, "mavlink",
+       without + "HIGHRES_IMU of IMU 0 (seen: HEARTBEAT, RAW_IMU): have it "
+                 "sent, or --imu-format mavlink-raw"},
+      {heartbeat, "mavlink-raw", without + "RAW_IMU of IMU 0 (seen: HEARTBEAT)"},
+      {pixhawk + pixhawk + pixhawk, "mavlink",
+       without + "HIGHRES_IMU of IMU 0 (seen: none that is read"},
       {frame + frame + frame, "binary", ", but 3 whose checksum is wrong: bytes are missing"},
   };
   for (const auto& [bytes, format, said] : rows) {

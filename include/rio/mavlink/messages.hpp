@@ -203,6 +203,7 @@ Message decode(const std::uint8_t* payload) {
 
 /// What a parser needs to know of a message.
 struct MessageKind {
+  const char* name = "";
   std::uint32_t id = 0;
   std::uint8_t crc_extra = 0;
   std::size_t basic_size = 0;
