@@ -86,6 +86,9 @@ class Session {
   /// What is wrong with the times of most frames of a radar, and what to do; empty if nothing is.
   std::string times_problem(std::size_t r) const;
   std::uint64_t imu_samples() const { return imu_samples_; }
+  /// This machine's clock minus that of the stamps of the IMU, which are said to be in it; zero if
+  /// they are in another.
+  Time imu_stamps_off() const { return imu_on_host_clock_ ? offset_.offset() : Time{0}; }
   /// How long no sample has come, at the newest frame of a radar: since the newest sample, or since
   /// the first frame if there is none.
   Time imu_silence() const { return newest_frame_ - newest_imu_; }

@@ -32,7 +32,7 @@ using live::MavlinkLink;
 using live::Port;
 
 constexpr int kImuBaud = 921600;
-constexpr Time kImuPause = std::chrono::seconds(1);  // a longer one is told
+constexpr Time kImuPause = std::chrono::seconds(1);  // a longer one is told; of its clock, too
 
 /// On stderr: events, and, on a terminal, a status line that is updated twice a second.
 class Screen {
@@ -130,7 +130,9 @@ class LiveRun {
     } else if (!session_->odometry().initialized()) {
       fail("no start: " + imu_.why_no_start());
     } else if (summary_.replay().updates == 0 && failed.empty()) {
-      fail("no scan gave an update: their points or times are of no use, see the counters above");
+      const std::string of_imu = imu_problem();
+      fail("no scan gave an update: " +
+           (of_imu.empty() ? "their points or times are of no use, see the counters" : of_imu));
     }
     if (!failed.empty()) throw std::runtime_error(failed);
   }
@@ -142,19 +144,28 @@ class LiveRun {
                                                    session_->times_problem(r));
       if (!message.empty()) screen_.say(fmt::format("radar {}: {}", r, message));
     }
-    const bool silent = session_->imu_silence() > kImuPause;
-    if (silent != imu_silent_) screen_.say(silent ? imu_problem() : "samples of the IMU again");
-    imu_silent_ = silent;
+    const bool wrong = session_->imu_silence() > kImuPause || imu_clock_is_wrong();
+    if (wrong != imu_wrong_) screen_.say(wrong ? imu_problem() : "samples of the IMU again");
+    imu_wrong_ = wrong;
   }
 
-  /// Why samples are missing; empty if none are.
+  bool imu_clock_is_wrong() const {
+    return std::chrono::abs(session_->imu_stamps_off()) > kImuPause;
+  }
+
+  /// Why samples are missing or of no use; empty if neither.
   std::string imu_problem() const {
     if (session_->imu_samples() == 0) {
       return "no sample of the IMU" + imu_.why_no_sample(link_ ? link_->received() : "");
     }
     const Time silence = session_->imu_silence();
-    if (silence <= kImuPause) return {};
-    return fmt::format("no sample of the IMU for {:.1f} s", to_seconds(silence));
+    if (silence > kImuPause) {
+      return fmt::format("no sample of the IMU for {:.1f} s", to_seconds(silence));
+    }
+    if (!imu_clock_is_wrong()) return {};
+    return fmt::format(
+        "the stamps of the IMU are {:.1f} s off this machine's clock: --imu-clock own",
+        to_seconds(session_->imu_stamps_off()));
   }
 
   /// The ports of the IMU and of the autopilot, which may be the same.
@@ -231,7 +242,7 @@ class LiveRun {
   std::list<live::Recorder> recorders_;
   std::list<live::McapRecorder> mcap_recorders_;
   std::vector<live::ScanWatch> watches_;
-  bool imu_silent_ = false;  ///< and it was told
+  bool imu_wrong_ = false;  ///< and it was told
   live::PortSet ports_;
   std::optional<MavlinkLink> link_;
   std::optional<live::Session> session_;

@@ -87,7 +87,10 @@ TEST_F(LiveCauses, FailsWhereNoScanIsOfUse) {
   const std::string live = "live --sensors " + flight_ + " --imu-format csv --imu " + flight_ +
                            "/imu0/data.csv --patience 0 --radar ";
   fails(1, live + log_of(300, 3.0F), {"rio: radar 0: the packets come all at once"});
-  fails(1, live + log_of(1, 1e30F), {"no scan gave an update"});
+  fails(1, live + log_of(1, 1e30F), {"no scan gave an update: their points or times"});
+  fails(1, live + log_of(1, 3.0F) + " --imu-clock host",
+        {"rio: no scan gave an update: the stamps of the IMU are -",
+         " s off this machine's clock: --imu-clock own"});
   std::string damaged;
   for (int i = 0; i < 40; ++i) damaged += text_of(sim::packet_of(1, {})).substr(0, 44);
   fails(1, live + log_of(1, 3.0F, damaged), {"40 packets are damaged, 1 whole: bytes are lost"});
