@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <list>
 #include <stdexcept>
@@ -34,12 +36,13 @@ using live::Port;
 constexpr int kImuBaud = 921600;
 constexpr Time kImuPause = std::chrono::seconds(1);  // a longer one is told; of its clock, too
 
-/// On stderr: events, and, on a terminal, a status line that is updated twice a second.
+/// On stderr: events, and, on a terminal, a status line that is updated twice a second. The
+/// terminal may be lost.
 class Screen {
  public:
   void say(const std::string& message) {
     clear();
-    fmt::print(stderr, "{}\n", message);
+    std::fprintf(stderr, "%s\n", message.c_str());
   }
   bool due() {
     const Time now = live::HostClock::real();
@@ -49,11 +52,11 @@ class Screen {
   }
   void show(const std::string& line) {
     clear();
-    fmt::print(stderr, "{}", line);
+    std::fputs(line.c_str(), stderr);
     shown_ = true;
   }
   void clear() {
-    if (shown_) fmt::print(stderr, "\r\x1b[K");
+    if (shown_) std::fputs("\r\x1b[K", stderr);
     shown_ = false;
   }
 

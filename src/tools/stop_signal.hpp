@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// SIGINT and SIGTERM as a flag, for commands that run until stopped.
+// SIGINT, SIGTERM and SIGHUP as a flag, for commands that run until stopped.
 #pragma once
 
 #include <time.h>
@@ -28,14 +28,18 @@ inline void on_stop_signal(int signal) {
   std::raise(signal);
 }
 
-/// From now on SIGINT and SIGTERM are handled by on_stop_signal().
+/// From now on SIGINT, SIGTERM and, unless `nohup` ignores it, SIGHUP are handled by
+/// on_stop_signal().
 inline void catch_stop_signals() {
   struct sigaction action {};
   action.sa_handler = &on_stop_signal;
-  sigaddset(&action.sa_mask, SIGINT);
-  sigaddset(&action.sa_mask, SIGTERM);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&action.sa_mask, signal);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction before {};
+    sigaction(signal, nullptr, &before);
+    if (signal == SIGHUP && before.sa_handler == SIG_IGN) continue;
+    sigaction(signal, &action, nullptr);
+  }
 }
 
 }  // namespace rio::tools

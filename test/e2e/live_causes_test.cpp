@@ -219,6 +219,20 @@ TEST_F(LiveCauses, TheViewListensOnItsAddressAlone) {
   expect_none(sockets.output, {"00000000:494E"});
 }
 
+/// But not under nohup.
+TEST_F(LiveCauses, EndsCleanlyWhenItsTerminalIsLost) {
+  for (const std::string with : {"", "nohup "}) {
+    const std::string log = file("log" + with);
+    const std::string said =
+        run_command(with + RIO_TOOL " live --sensors " + flight_ + " --radar " + file("nothing") +
+                    " --imu " + file("nothing") + " 2>'" + log + "' & until grep -q yet '" + log +
+                    "'; do sleep 0.1; done; kill -HUP $!; sleep 0.5; echo later; kill $!; wait $!")
+            .output;
+    ASSERT_TRUE(contains(said, "verdict: ") && contains(said, "later")) << said;
+    EXPECT_EQ(said.find("verdict: ") > said.find("later"), with == "nohup ");
+  }
+}
+
 TEST_F(LiveCauses, ReplacesNoInput) {
   const std::string radar = dir_->write("r.mcap", "radar"), imu = dir_->write("i.mcap", "imu");
   const std::string live =
