@@ -28,8 +28,9 @@ const char* compression(const std::uint8_t* head) {
   return nullptr;
 }
 
-constexpr const char* kExchange = "exchange the ports of --imu and --radar";
 constexpr const char* kDataPort = "give the data port of the radar";
+constexpr const char* kExchange =
+    "give the data port of the radar; --imu and --radar may be exchanged";
 constexpr const char* kNotRead = "not read; send its samples as csv lines or MAVLink";
 constexpr OtherDevice kNumbers = {"numbers in text, as of an IMU", kExchange,
                                   "--imu-format csv, in the columns of data/INTEGRATION.md"};

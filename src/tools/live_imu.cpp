@@ -33,7 +33,8 @@ std::string ImuPort::wait(const ImuSample& sample) {
 std::string ImuPort::why_no_sample(const std::string& messages) const {
   const ti::PacketCounters& seen = others_.counters();
   if (seen.frames + seen.other_sdk > 0) {
-    return ", but packets of a TI radar: exchange the ports of --imu and --radar";
+    return ", but packets of a TI radar: give the port of the IMU; --imu and --radar may be "
+           "exchanged";
   }
   if (seen.bytes == 0) return ": no byte came";
   if (const std::uint64_t damaged = frames_.counters().damaged; damaged > 0) {

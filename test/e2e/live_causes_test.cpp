@@ -135,8 +135,9 @@ TEST_F(LiveCauses, SaysWhyThereAreNoSamples) {
     std::string bytes, format, said;
   } rows[] = {
       {"", "binary", ": no byte came"},
-      {radar + radar, "binary", ", but packets of a TI radar: exchange the ports"},
-      {radar + radar, "mavlink", ", but packets of a TI radar: exchange the ports"},
+      {radar + radar, "binary", ", but packets of a TI radar: give the port of the IMU; --imu and"},
+      {radar + radar, "mavlink",
+       ", but packets of a TI radar: give the port of the IMU; --imu and"},
       {std::string(300, '\xE6'), "binary", " in 300 bytes" + other},  // as by another baud rate
       {std::string(300, '\xE6'), "mavlink", " in 300 bytes" + other},
       {"$GNGGA,123519,4807.038,N\r\n", "csv", " in 26 bytes" + other},
