@@ -61,6 +61,11 @@ Finding check_up(const Rest& rest) {
   return {Verdict::kOk, "imu upright", text};
 }
 
+/// Nothing if it is not known.
+std::string to_degrees(const char* what, double error) {
+  return std::isnan(error) ? "" : fmt::format("{} to {:.1f} deg", what, error / kDegree);
+}
+
 /// (E1) in radians; NaN with fewer than ten pairs.
 double turning_error(const std::vector<ImuSample>& samples, double factor) {
   constexpr double kSpan = 0.5;  // [s]
@@ -92,11 +97,13 @@ Finding check_gyro(const std::vector<ImuSample>& samples, const Rest& rest, Sour
   const double as_given = turning_error(samples, 1.0);
   const bool smaller = usual * kDegree > kFastest;  // than deg/s
   const double scaled = turning_error(samples, kDegree);
-  Finding out{Verdict::kOk, "gyro unit",
-              fmt::format("rates of {:.3g} rad/s (median) to {:.3g} rad/s, {:.3g} rad/s in the "
-                          "stillest second; they carry the direction of the specific force over "
-                          "half a second to {:.1f} deg",
-                          usual, most, rest.gyro.norm(), as_given / kDegree)};
+  Finding out{
+      Verdict::kOk, "gyro unit",
+      fmt::format("rates of {:.3g} rad/s (median) to {:.3g} rad/s, {:.3g} rad/s in the "
+                  "stillest second{}",
+                  usual, most, rest.gyro.norm(),
+                  to_degrees("; they carry the direction of the specific force over half a second",
+                             as_given))};
   // at rest no gyro measures rates like these, nor is a vehicle so fast half of the time
   const bool never_rests = rest.spread < 0.01 && usual > 1.5 &&
                            std::hypot(rest.gyro.norm(), rest.turning) > 0.2 &&
@@ -117,7 +124,7 @@ Finding check_gyro(const std::vector<ImuSample>& samples, const Rest& rest, Sour
       out.change = Advice{source}.gyro_in(name, *unit);
       return out;
     }
-    out.text += fmt::format(", taken as deg/s to {:.1f} deg: they are in deg/s", scaled / kDegree);
+    out.text += to_degrees(", taken as deg/s", scaled) + ": they are in deg/s";
     out.change = Advice{source}.gyro_in("deg/s", kDegree);
   } else if (rest.gyro.norm() > 0.1 && rest.spread < 0.05 &&
              rest.turning < 0.2 * rest.gyro.norm()) {

@@ -112,7 +112,7 @@ Port::Port(Port&& other) noexcept
 bool Port::open() {
   if (fd_ >= 0) return true;
   is_udp_ ? open_udp() : open_path();
-  state_ = fd_ >= 0 ? State::kOpen : State::kVanished;
+  if (fd_ >= 0) state_ = State::kOpen;
   return fd_ >= 0;
 }
 

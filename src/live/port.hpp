@@ -35,8 +35,9 @@ bool make_raw(int fd, int baud);
 class Port {
  public:
   enum class State {
+    kAbsent,  ///< not present so far
     kOpen,
-    kVanished,  ///< not present (any more); may come back
+    kVanished,  ///< not present any more; may come back
     kEnded,     ///< a file or a pipe that has ended
   };
 
@@ -81,7 +82,7 @@ class Port {
   sockaddr_in peer_{};
   int fd_ = -1;
   bool is_line_ = false;  ///< a terminal: may come back
-  State state_ = State::kVanished;
+  State state_ = State::kAbsent;
 };
 
 /// A port of a set and its handling.

@@ -184,10 +184,11 @@ std::string ScanWatch::look(const ti::PacketReader& reader, Time now, const std:
   }
   if (silent_ || now - since_ < kPatience) return {};
   silent_ = true;
+  const std::string problem = reader.problem();
+  if (counters.bytes == 0) return "no scan for 10 s; " + problem;
   const std::uint64_t bytes = counters.bytes - bytes_;
   const std::string seen = bytes == 0 ? "no byte came" : std::to_string(bytes) + " bytes came";
-  const std::string problem = bytes == 0 ? "" : reader.problem();
-  return "no scan for 10 s; " + seen + (problem.empty() ? "" : ": " + problem);
+  return "no scan for 10 s; " + seen + (bytes == 0 || problem.empty() ? "" : ": " + problem);
 }
 
 }  // namespace rio::live

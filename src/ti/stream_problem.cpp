@@ -32,8 +32,9 @@ constexpr const char* kDataPort = "give the data port of the radar";
 constexpr const char* kExchange =
     "give the data port of the radar; --imu and --radar may be exchanged";
 constexpr const char* kNotRead = "not read; send its samples as csv lines or MAVLink";
-constexpr OtherDevice kNumbers = {"numbers in text, as of an IMU", kExchange,
-                                  "--imu-format csv, in the columns of data/INTEGRATION.md"};
+constexpr OtherDevice kNumbers = {
+    "numbers in text, as of an IMU", kExchange,
+    "--imu-format csv, in the columns of data/INTEGRATION.md, with commas"};
 
 /// Each recognised by bytes that come again and again; '?' is any byte.
 using namespace std::string_view_literals;
@@ -152,6 +153,10 @@ std::string PacketReader::problem() const {
       }
       return text + " without points" +
              why_no_points(firmware_ != nullptr, unknown_tlv_, frame_.version >> 24);
+    case StreamState::kSilent:
+      return text +
+             ": is it the data port (a TI radar has two), and was the radar configured "
+             "(--radar-cfg, --cli)?";
     case StreamState::kText:
       if (20 * dumped_ > 19 * fruitless_) {
         return "no packets, but a dump in text (hexdump, xxd): give the bytes themselves";

@@ -66,6 +66,12 @@ class Screen {
   Time last_{0};
 };
 
+/// Why no byte came; empty if that is not known.
+std::string why_silent(const Port& port) {
+  if (port.state() == Port::State::kAbsent) return port.name() + " is not there";
+  return port.state() == Port::State::kEnded ? port.name() + " has ended without a byte" : "";
+}
+
 class LiveRun {
  public:
   explicit LiveRun(const LiveArguments& arguments)
@@ -119,8 +125,10 @@ class LiveRun {
   /// Prints the summary.
   /// @throws WrongResult if the estimate is lost, std::runtime_error if there is none
   void conclude() {
-    const bool lost =
-        summary_.conclude(*session_, imu_counters(), imu_problem(), link_ ? link_->sent() : 0);
+    std::vector<std::string> radar_ports;
+    for (const Port* port : radar_ports_) radar_ports.push_back(why_silent(*port));
+    const bool lost = summary_.conclude(*session_, radar_ports, imu_counters(), imu_problem(),
+                                        link_ ? link_->sent() : 0);
     view_.close(summary_.replay());
     fmt::print("{}", arguments_.json ? summary_.json() + "\n" : summary_.text());
     if (lost) throw WrongResult("the estimate is lost: " + summary_.lost_because());
@@ -213,10 +221,10 @@ class LiveRun {
 
   void add_radars(const live::SessionSetup& setup) {
     for (std::size_t r = 0; r < arguments_.radars.size(); ++r) {
-      ports_.add({Port(arguments_.radars[r], static_cast<int>(setup.radars[r].baud)),
-                  fmt::format("radar {}", r), true,
-                  std::bind_front(&live::Session::radar, &*session_, r),
-                  std::bind_front(&live::Session::radar_reopened, &*session_, r)});
+      radar_ports_.push_back(&ports_.add(
+          {Port(arguments_.radars[r], static_cast<int>(setup.radars[r].baud)),
+           fmt::format("radar {}", r), true, std::bind_front(&live::Session::radar, &*session_, r),
+           std::bind_front(&live::Session::radar_reopened, &*session_, r)}));
     }
   }
 
@@ -247,6 +255,7 @@ class LiveRun {
   std::vector<live::ScanWatch> watches_;
   bool imu_wrong_ = false;  ///< and it was told
   live::PortSet ports_;
+  std::vector<const Port*> radar_ports_;
   std::optional<MavlinkLink> link_;
   std::optional<live::Session> session_;
 };

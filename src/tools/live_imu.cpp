@@ -54,7 +54,8 @@ std::string ImuPort::why_no_sample(const std::string& messages) const {
   if (other != nullptr) {
     return fmt::format(", but {}: {}", other->what, advice);
   }
-  return fmt::format(" in {} bytes: another port, baud rate or --imu-format", seen.bytes);
+  return fmt::format(" in {} bytes: another port, baud rate or --imu-format{}", seen.bytes,
+                     format_ == "csv" ? ", or no lines of seven numbers with commas" : "");
 }
 
 std::string ImuPort::why_no_start() const {

@@ -96,11 +96,14 @@ LiveSummary::Radar LiveSummary::end_of(const live::Session& session, std::size_t
   return radar;
 }
 
-bool LiveSummary::conclude(const live::Session& session, const live::ImuCounters& imu,
-                           const std::string& imu_problem, std::uint64_t odometry_sent) {
+bool LiveSummary::conclude(const live::Session& session,
+                           const std::vector<std::string>& radar_ports,
+                           const live::ImuCounters& imu, const std::string& imu_problem,
+                           std::uint64_t odometry_sent) {
   const Odometry& odometry = session.odometry();
   for (std::size_t r = 0; r < session.radars(); ++r) {
-    const Radar radar = end_of(session, r);
+    Radar radar = end_of(session, r);
+    if (radar.packets.bytes == 0 && !radar_ports[r].empty()) radar.problem = radar_ports[r];
     add(radar.packets, &all_.packets);
     all_.frames.made_up += radar.frames.made_up;
     all_.frames.untimed += radar.frames.untimed;

@@ -24,10 +24,12 @@ class LiveSummary : public live::Listener {
   std::string line(const live::Session& session) const;
 
   /// At the end.
+  /// @param radar_ports what is wrong with the port of each radar, if no byte came; or empty
   /// @param imu_problem why samples are missing; empty if none are
   /// @return whether the estimate is lost
-  bool conclude(const live::Session& session, const live::ImuCounters& imu,
-                const std::string& imu_problem, std::uint64_t odometry_sent);
+  bool conclude(const live::Session& session, const std::vector<std::string>& radar_ports,
+                const live::ImuCounters& imu, const std::string& imu_problem,
+                std::uint64_t odometry_sent);
   std::string text() const;
   std::string json() const;
   const ReplaySummary& replay() const { return replay_; }

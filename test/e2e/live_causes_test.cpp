@@ -142,6 +142,7 @@ TEST_F(LiveCauses, SaysWhyThereAreNoSamples) {
       {std::string(300, '\xE6'), "mavlink", " in 300 bytes" + other},
       {"$GNGGA,123519,4807.038,N\r\n", "csv", " in 26 bytes" + other},
       {text, "csv", ", but numbers in text, as of an IMU: --imu-format csv, in the columns"},
+      {"1 0 0 0 0 0 9.8\n", "csv", " in 16 bytes" + other + ", or no lines of seven numbers with"},
       {text, "mavlink-raw", ", but numbers in text, as of an IMU: --imu-format csv"},
       {ubx + ubx + ubx, "binary", ", but UBX of a GNSS receiver: not read; send its samples"},
       {pixhawk + pixhawk + pixhawk, "csv", ", but MAVLink of an autopilot: --imu-format mavlink"},
@@ -193,6 +194,7 @@ TEST_F(LiveCauses, SaysWhyItDoesNotStart) {
   } rows[] = {
       {"0.01,0,0,0,0,1", 5'000'000, "it is in g; --imu must send"},
       {"0.01,0,9.81,0.01,0,0", 5'000'000, "gyro and accelerometer are exchanged; --imu must send"},
+      {"10,0,0,0,0,9.81", 5'000'000, "they are in deg/s; --imu must send"},
       {"0.01,0,0,0,0,0.02", 5'000'000, "gravity was removed; --imu must send"},
       {"0.01,0,0,0,0,9.81", 5'000, "the stamps are in us; --imu must send"},
   };
@@ -200,10 +202,12 @@ TEST_F(LiveCauses, SaysWhyItDoesNotStart) {
     std::string samples;
     for (std::int64_t i = 1; i < 1200; ++i)
       samples += std::to_string(i * step) + "," + values + "\n";
-    fails(1,
-          "live --sensors " + flight_ + " --patience 0 --radar " + file("nothing") + " --imu " +
-              dir_->write("imu.csv", samples).string() + " --imu-format csv",
-          {"IMU: no start yet: ", "rio: ", "no start: ", said});
+    const Outcome run =
+        fails(1,
+              "live --sensors " + flight_ + " --patience 0 --radar " + file("nothing") + " --imu " +
+                  dir_->write("imu.csv", samples).string() + " --imu-format csv",
+              {"IMU: no start yet: ", "rio: ", "no start: ", said});
+    expect_none(run.output, {"nan"});
   }
 }
 
@@ -252,7 +256,12 @@ TEST_F(LiveCauses, WrongCommandLines) {
   const std::string both = imu + " --radar " + file("nothing");
   fails(2, imu, {"--radar"});
   fails(1, both, {"frame rate of the radar is not known"});
-  fails(1, both + " --sensors " + flight_, {"nothing is not there", "no sample of the IMU"});
+  const std::string with = " --sensors " + flight_,
+                    no_byte = "; no sample of the IMU: no byte came";
+  fails(1, both + with, {"nothing is not there", "no sample of the IMU"});
+  fails(1, both + with, {"rio: radar 0: " + file("nothing") + " is not there" + no_byte});
+  fails(1, imu + " --radar /dev/null" + with,
+        {"rio: radar 0: /dev/null has ended without a byte" + no_byte});
 }
 
 }  // namespace

@@ -162,7 +162,9 @@ class Watched {
 TEST(ScanWatch, SaysOnceAfterTenSecondsWhatWasSeen) {
   Watched radar;
   EXPECT_EQ(radar.wait(9), "");
-  EXPECT_EQ(radar.wait(30), "no scan for 10 s; no byte came\n");
+  EXPECT_EQ(radar.wait(30),
+            "no scan for 10 s; no byte yet: is it the data port (a TI radar has two), and was the "
+            "radar configured (--radar-cfg, --cli)?\n");
   const std::string text = "mmwDemo:/>sensorStart\r\nDone\r\n";
   radar.push(Bytes(text.begin(), text.end()));
   EXPECT_EQ(radar.wait(30), "");

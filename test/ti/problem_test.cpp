@@ -179,7 +179,8 @@ TEST(TiProblem, WhatGivesNoPointsIsNamedWithWhatToDo) {
   };
   using enum StreamState;
   std::vector<Row> rows = {
-      {"", kSilent, "no byte yet"},
+      {"", kSilent,
+       "no byte yet: is it the data port (a TI radar has two), and was the radar configured"},
       {"sensorStop\r\nDone\r\n\r\nmmwDemo:/>", kText, "CLI port"},
       {noise, kSearching, "another baud rate", {"921600", "3125000 for AWR2944", "1250000"}},
       {"\x1F\x8B\x08" + rest, kSearching, "(gzip): unpack it first"},
