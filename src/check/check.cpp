@@ -172,6 +172,29 @@ Findings check_one_radar(const CheckedImu& imu, const Scans& recorded,
   return out;
 }
 
+/// Options of a bag are for the points of all radars: one that not all need is not proposed as
+/// such.
+void propose_edits_of_one_radar(std::vector<Findings>* radars) {
+  const std::vector<Findings> said = *radars;
+  const auto is_for_points = [](const std::string& change) {
+    constexpr const char* kOptions[] = {"--approaching", "--axes", "--field"};
+    return std::ranges::any_of(kOptions, [&](const char* o) { return change.starts_with(o); });
+  };
+  for (std::size_t r = 0; r < said.size(); ++r) {
+    for (Finding& f : (*radars)[r]) {
+      const auto has_it = [&f](const Findings& of) {
+        return std::ranges::any_of(of, [&f](const Finding& g) { return g.change == f.change; });
+      };
+      if (!is_for_points(f.change) || std::ranges::all_of(said, has_it)) continue;
+      f.change = fmt::format(
+          "if it is radar{0} alone: `rio convert`, then edit the files of radar{0} as `rio check` "
+          "of "
+          "the folder says; for all radars {1}",
+          r, f.change);
+    }
+  }
+}
+
 Findings check_all(const std::vector<ImuSample>& recorded, const std::vector<Scans>& radars,
                    const io::Dataset& sensors, const Options& options, Source source,
                    const std::filesystem::path& folder) {
@@ -195,11 +218,15 @@ Findings check_all(const std::vector<ImuSample>& recorded, const std::vector<Sca
   if (worst(check.findings) != Verdict::kWrong) {
     out.push_back(check_start(imu, radars[0], options));
   }
+  std::vector<Findings> of_radars;
   for (std::size_t r = 0; r < options.radars() && r < radars.size(); ++r) {
     const io::RadarInfo& info = r == 0 ? sensors.radar_info : sensors.other_radars[r - 1].info;
-    for (Finding& finding :
-         check_one_radar(imu, radars[r], steps.radars[r], info, {source, &info, r},
-                         r == 0 ? options : options.seen_by(r), folder)) {
+    of_radars.push_back(check_one_radar(imu, radars[r], steps.radars[r], info, {source, &info, r},
+                                        r == 0 ? options : options.seen_by(r), folder));
+  }
+  propose_edits_of_one_radar(&of_radars);
+  for (std::size_t r = 0; r < of_radars.size(); ++r) {
+    for (Finding& finding : of_radars[r]) {
       if (finding.subject == "gyro unit") {  // better than what the IMU alone shows
         std::erase_if(out, [](const Finding& f) { return f.subject == "gyro unit"; });
       }

@@ -202,6 +202,12 @@ TEST(Check, EveryRadarIsNamed) {
   const std::string line = said(findings, "radar2: axes and Doppler sign").change;
   EXPECT_TRUE(line.starts_with("radar2/sensor.yaml: T_BS: {translation: [")) << line;
   EXPECT_LT(mounting_in(line).angularDistance(healthy.radar_info.T_BS->rotation), 0.02);
+  // an option of a bag is for all radars
+  dataset.other_radars.pop_back();
+  const char* const subject = "radar1: axes and Doppler sign";
+  EXPECT_TRUE(said(dataset, subject).change.starts_with("if it is radar1 alone: `rio convert`"));
+  dataset.scans = dataset.other_radars[0].scans;
+  EXPECT_TRUE(said(dataset, subject).change.starts_with("--approaching"));
 }
 
 TEST(Check, MuchMotionThatNoMountingExplainsIsDoubtful) {
