@@ -114,6 +114,7 @@ void tell_radar(const Surveyed& surveyed, std::size_t r, io::RadarInfo* info, So
     sources->note("{}{}", sources->radars.size() > 1 ? source.role.name + ": " : "", text);
   }
   info->T_BS = mounting(*sources, source);
+  info->is_from_tree = info->T_BS.has_value();
   if (info->T_BS) {
     const Vector3d& p = info->T_BS->translation;
     const Quaternion& q = info->T_BS->rotation;

@@ -62,6 +62,7 @@ std::string Advice::option(const std::string& of_first, const std::string& of_ot
 
 std::optional<std::string> Advice::axes(const Matrix3d& turn) const {
   if (!bag() || info == nullptr || info->axes.empty()) return std::nullopt;
+  if (several && info->is_from_tree) return std::nullopt;
   for (const char* name : {"flu", "ti", "rdf", "frd"}) {
     const bool fits = (turn * to_flu(info->axes) - to_flu(name)).norm() < 1e-6;
     if (fits) return std::string("--axes ") + name;
@@ -90,6 +91,7 @@ std::optional<std::string> Advice::mirror(const Matrix3d& M) const {
 
 std::optional<std::string> Advice::imu_axes(const Matrix3d& turn, const Vector3d& up) const {
   constexpr double kUpright = 0.7;  // cosine
+  if (info != nullptr && info->is_from_tree) return std::nullopt;
   for (const char* name : {"rdf", "frd"}) {
     const Matrix3d M = to_flu(name);
     const bool upright = (M * up).z() > kUpright * up.norm();

@@ -17,6 +17,7 @@ struct Advice {
   Source source = Source::kFolder;
   const io::RadarInfo* info = nullptr;  ///< of the radar; how its points were read
   std::size_t radar = 0;                ///< its number
+  bool several = false;                 ///< it is not the only one
 
   bool bag() const { return source == Source::kBag; }
   /// Multiplies a quantity of the points: "--field snr=intensity*0.1".
@@ -31,7 +32,8 @@ struct Advice {
   std::string sensor_line(const std::string& line) const;
   /// An option "radar: {...}" for the first radar, else a line of the sensor file.
   std::string option(const std::string& of_first, const std::string& of_others) const;
-  /// "--axes flu", if points that must be turned by this are in other known axes.
+  /// "--axes flu", if points that must be turned by this are in other known axes. As a mounting of
+  /// /tf_static is turned with them, it goes with a mounting from elsewhere, of each radar.
   std::optional<std::string> axes(const Matrix3d& turn) const;
   /// Whether the points are read from this quantity.
   bool has(const std::string& quantity) const;

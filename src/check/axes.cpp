@@ -113,7 +113,10 @@ std::string change_of(const Matrix3d& configured, const Axes& axes, DopplerSign 
     const bool mounted = (advice.info != nullptr && advice.info->T_BS.has_value()) ||
                          (configured - Matrix3d::Identity()).norm() > 1e-6;
     const auto of_points = mounted ? advice.axes(configured.transpose() * R) : std::nullopt;
-    return of_points ? *of_points : mounting_line(R, options.radar.T_BS.translation, advice);
+    const Vector3d& p = options.radar.T_BS.translation;
+    if (!of_points) return mounting_line(R, p, advice);
+    return (advice.info->is_from_tree ? mounting_line(configured, p, advice) + " with " : "") +
+           *of_points;
   };
   if (!axes.doppler_flipped) return turned(axes.R);
   if (axes.turn < 1e-6) return advice.negate_doppler();

@@ -72,6 +72,7 @@ bag::RecordingRequest request_of(const RecordingArguments& a, bool truth) {
 /// Replaces the properties of a radar, except those found from the data.
 void take_radar_info(io::RadarInfo info, io::RadarInfo* radar) {
   if (!info.doppler_resolution) info.doppler_resolution = radar->doppler_resolution;
+  if (!info.T_BS) info.is_from_tree = radar->is_from_tree;
   if (!info.T_BS) info.T_BS = radar->T_BS;
   info.fields = radar->fields;
   info.axes = radar->axes;

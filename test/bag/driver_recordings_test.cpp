@@ -216,6 +216,7 @@ TEST_F(DriverRecording, SeveralRadarsHaveTheirMountingsFromTheTree) {
   EXPECT_LT(first.rotation.angularDistance(quarter.conjugate()), 1e-7);
   EXPECT_LT((left.translation - Vector3d(2.0, 0.0, 3.0)).norm(), 1e-12);
   EXPECT_LT(left.rotation.angularDistance(Quaternion::Identity()), 1e-7);
+  EXPECT_TRUE(recording.radar_info.is_from_tree);
   expect_told(recording, "/left: mounting of /tf_static: T_BS: {");
 
   RecordingRequest request;

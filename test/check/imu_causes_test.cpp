@@ -94,6 +94,8 @@ TEST(ImuCauses, AxesOfTheImuAreNoMounting) {
   io::Dataset dataset = flight();
   rdf(&dataset);
   expect_change(dataset, "axes and Doppler sign", "T_BS", Source::kFolder);  // which has no option
+  dataset.radar_info.is_from_tree = true;
+  expect_change(dataset, "axes and Doppler sign", "radar: {T_BS");
 }
 
 TEST(ImuCauses, AnotherUnitOrRangeOfTheGyroIsNamed) {

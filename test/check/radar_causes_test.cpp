@@ -152,6 +152,8 @@ TEST(RadarCauses, PointsInOtherKnownAxesNeedNoMounting) {
   });
   dataset.radar_info.axes = "ti";
   EXPECT_EQ(said(dataset, "axes and Doppler sign").change, "--axes flu");
+  dataset.radar_info.is_from_tree = true;  // the option would turn the mounting as well
+  expect_change(dataset, "axes and Doppler sign", "]}} with --axes flu");
   dataset.radar_info.axes = "";
   expect_change(dataset, "axes and Doppler sign", "T_BS");
 }

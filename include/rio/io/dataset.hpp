@@ -59,6 +59,7 @@ struct RadarInfo {
   /// and their axes, "flu".
   std::vector<std::pair<std::string, std::string>> fields{};
   std::string axes{};
+  bool is_from_tree = false;  ///< T_BS is of /tf_static: of the messages, whatever axes they have
 };
 
 /// One barometer sample.
