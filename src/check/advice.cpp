@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 
 namespace rio::check {
@@ -25,11 +26,12 @@ std::string Advice::csv() const {
   return fmt::format("radar{}/data.csv", radar);
 }
 
-std::string Advice::scale(const std::string& quantity, double factor) const {
+std::string Advice::scale(const std::string& quantity, double factor,
+                          const std::string& from) const {
   if (!bag()) return fmt::format("multiply the column {} of {} by {:.4g}", quantity, csv(), factor);
   std::string name = "NAME";
   for (const auto& [known, field] : info != nullptr ? info->fields : io::RadarInfo().fields) {
-    if (known != quantity) continue;
+    if (known != (from.empty() ? quantity : from)) continue;
     const std::size_t star = field.rfind('*');
     name = field.substr(0, star);
     if (star != std::string::npos) factor *= std::atof(field.c_str() + star + 1);
@@ -78,15 +80,19 @@ bool Advice::has(const std::string& quantity) const {
 std::optional<std::string> Advice::mirror(const Matrix3d& M) const {
   constexpr const char* kPoints[] = {"x", "y", "z"};
   constexpr const char* kAngles[] = {"", "azimuth", "elevation"};
+  if (M.determinant() > 0.0 || info == nullptr || info->axes.empty()) return std::nullopt;
+  const Matrix3d of_fields = to_flu(info->axes).transpose() * M * to_flu(info->axes);
+  std::string change;
   for (int i = 0; i < 3; ++i) {
-    Matrix3d flip = Matrix3d::Identity();
-    flip(i, i) = -1.0;
-    if ((M - flip).norm() > 1e-6 || info == nullptr || info->axes != "flu") continue;
-    for (const char* quantity : {kPoints[i], kAngles[i]}) {
-      if (has(quantity)) return scale(quantity, -1.0);
-    }
+    int from = 0;
+    (void)of_fields.row(i).cwiseAbs().maxCoeff(&from);
+    const double sign = std::round(of_fields(i, from));
+    if (i == from && sign > 0.0) continue;
+    const auto& names = has("x") ? kPoints : kAngles;
+    if (!has(names[i]) || !has(names[from]) || (i != from && !has("x"))) return std::nullopt;
+    change += (change.empty() ? "" : " ") + scale(names[i], sign, names[from]);
   }
-  return std::nullopt;
+  return change;
 }
 
 std::optional<std::string> Advice::imu_axes(const Matrix3d& turn, const Vector3d& up) const {

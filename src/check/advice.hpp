@@ -21,7 +21,8 @@ struct Advice {
 
   bool bag() const { return source == Source::kBag; }
   /// Multiplies a quantity of the points: "--field snr=intensity*0.1".
-  std::string scale(const std::string& quantity, double factor) const;
+  /// @param from the quantity whose field it is; empty: the same
+  std::string scale(const std::string& quantity, double factor, const std::string& from = {}) const;
   /// The other sign of the Doppler.
   std::string negate_doppler() const;
   /// @param factor of the unit in [rad/s]
@@ -37,7 +38,8 @@ struct Advice {
   std::optional<std::string> axes(const Matrix3d& turn) const;
   /// Whether the points are read from this quantity.
   bool has(const std::string& quantity) const;
-  /// "--field y=y*-1", or of an angle, if that makes good points that are mirrored by M.
+  /// "--field y=y*-1", "--field y=z*1 --field z=y*1", or of an angle, if that makes good points
+  /// that are mirrored by M.
   std::optional<std::string> mirror(const Matrix3d& M) const;
   /// "frd", if an IMU in these axes makes the radar appear turned by this about axes of the body,
   /// and its gravity shows them.

@@ -57,6 +57,12 @@ TEST(RadarCauses, AnAngleCountedTheOtherWayIsNoRadarUpsideDown) {
   in_air.radar_info.fields = dataset.radar_info.fields;
   in_air.radar_info.axes = "flu";
   EXPECT_EQ(said(in_air, "axes and Doppler sign").change, "--field y=y*-1");
+  in_air.radar_info.axes = "ti";  // whose x is to the right
+  EXPECT_EQ(said(in_air, "axes and Doppler sign").change, "--field x=x*-1");
+  in_air = with_detections([](RadarDetection& d) { std::swap(d.point_S.y(), d.point_S.z()); });
+  in_air.radar_info.fields = dataset.radar_info.fields;
+  in_air.radar_info.axes = "flu";
+  EXPECT_EQ(said(in_air, "axes and Doppler sign").change, "--field y=z*1 --field z=y*1");
 }
 
 /// With this share of its motion subtracted from the Doppler, by the velocity that most points of
