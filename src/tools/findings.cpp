@@ -37,6 +37,14 @@ void add_notes(const check::ClockSteps& steps, const char* way_out,
 
 }  // namespace
 
+check::Findings edits_of_converted(check::Findings findings) {
+  for (Finding& f : findings) {
+    const bool edits = f.change.find("/data.csv") != std::string::npos;
+    if (edits && !f.change.starts_with("radar: {")) f.change.insert(0, "`rio convert`, then ");
+  }
+  return findings;
+}
+
 nlohmann::ordered_json findings_json(const check::Findings& findings) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const Finding& f : findings) {

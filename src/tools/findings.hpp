@@ -13,16 +13,25 @@
 #include "commands.hpp"
 #include "rio/io/dataset.hpp"
 #include "rio/io/recording_stream.hpp"
+#include "rio/io/scan_folder.hpp"
 #include "rio/options.hpp"
 
 namespace rio::tools {
+
+/// The edits are those of the folder that `rio convert` makes of a folder with a file a scan.
+check::Findings edits_of_converted(check::Findings findings);
 
 /// Checks a recording or a part of it.
 /// @param data result of read_any() for `path`, or check::CheckedData
 template <class Data>
 check::Findings findings_of(const std::string& path, const Data& data, const Options& options) {
-  if (!io::is_asl_folder(path)) return check::check_recording(data, options, check::Source::kBag);
-  return check::check_recording(data, options, check::Source::kFolder, io::dataset_root(path));
+  if (io::is_asl_folder(path)) {
+    return check::check_recording(data, options, check::Source::kFolder, io::dataset_root(path));
+  }
+  if (!io::is_scan_folder(path)) {
+    return check::check_recording(data, options, check::Source::kBag);
+  }
+  return edits_of_converted(check::check_recording(data, options, check::Source::kFolder));
 }
 
 /// `rio check` without its output.

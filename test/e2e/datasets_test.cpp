@@ -195,14 +195,21 @@ TEST_F(DataSets, AFolderOfHercules) {
            ",0.1,0.2,0.3\n";
   }
   dir_->write("hercules/sensor_data/xsens_imu.csv", imu);
-  for (const RadarScan& scan : put.scans) {
-    std::string bytes;
-    for (const RadarDetection& d : scan.detections) {
-      const Vector3d& p = d.point_S;
-      bytes += floats({p.x(), p.y(), p.z(), d.range_rate, p.norm()}) + "\x07" + floats({0.1, 0.2});
+  for (const double sign : {-1.0, 1.0}) {
+    for (const RadarScan& scan : put.scans) {
+      std::string bytes;
+      for (const RadarDetection& d : scan.detections) {
+        const Vector3d& p = d.point_S;
+        bytes += floats({p.x(), p.y(), p.z(), sign * d.range_rate, p.norm()}) + "\x07" +
+                 floats({0.1, 0.2});
+      }
+      bytes += floats({NAN, 1, 1, 0, 1}) + "\x07" + floats({0.1, 0.2});
+      dir_->write("hercules/Radar/Continental/" + std::to_string(scan.time.count()) + ".bin",
+                  bytes);
     }
-    bytes += floats({NAN, 1, 1, 0, 1}) + "\x07" + floats({0.1, 0.2});
-    dir_->write("hercules/Radar/Continental/" + std::to_string(scan.time.count()) + ".bin", bytes);
+    if (sign > 0.0) continue;
+    fails(3, "check " + file("hercules") + " --dataset hercules",
+          {"-> `rio convert`, then negate the column doppler of radar0/data.csv"});
   }
   expect_same(io::read_dataset(file("hercules")), put, 0.0);
   rio("info " + file("hercules"),
