@@ -253,7 +253,8 @@ void PointMap::check_angles(const PointCloud& cloud) const {
   }
   if (beyond < 2) return;  // one may be corrupt
   std::string how;
-  for (const Quantity q : {kAzimuth, kElevation}) {
+  for (const Quantity q : {kAzimuth, kElevation, kSigmaAzimuth, kSigmaElevation}) {
+    if (!sources_[q]) continue;
     how += std::string(" --field ") + kNames[q] + "=" + sources_[q]->field.name + "*0.0174533";
   }
   fail("angles in degrees:" + how);

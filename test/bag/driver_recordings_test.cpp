@@ -161,6 +161,8 @@ TEST_F(DriverRecording, AnglesInDegreesAreAnError) {
                "points: angles in degrees: --field azimuth=azimuth*0.0174533 --field "
                "elevation=elevation*0.0174533");
   RecordingRequest request;
+  request.points.fields = {{"sigma_azimuth=amplitude", ""}};
+  EXPECT_ERROR(read(messages, request), " --field sigma_azimuth=amplitude*0.0174533 (");
   request.points.fields = {{"azimuth=azimuth*0.0174533", ""},
                            {"elevation=elevation*0.0174533", ""}};
   const RadarDetection d = read(messages, request).scans[3].detections.at(0);
