@@ -213,8 +213,9 @@ std::unique_ptr<io::RecordingStream> open_recording(const fs::path& path,
   return std::make_unique<BagStream>(path, request);
 }
 
-std::vector<NavState> read_truth(const fs::path& path, bool positions) {
+std::vector<NavState> read_truth(const fs::path& path, bool positions, const std::string& topic) {
   RecordingRequest request;
+  request.truth_topic = topic;
   request.truth = true;
   request.positions = positions;
   try {
@@ -225,12 +226,13 @@ std::vector<NavState> read_truth(const fs::path& path, bool positions) {
   Sources sources(path, request);
   const std::vector<Source*> found = sources.with_messages(sources.truth_role());
   if (found.empty()) {
-    sources.fail("no topic of type {} or {}{}", kPoseType, kOdometryType,
+    sources.fail("no topic {}{}of type {} or {}{}", topic, topic.empty() ? "" : " ", kPoseType,
+                 kOdometryType,
                  positions ? fmt::format(", nor {} or {}", kPointType, kFixType) : "");
   }
   const std::string& name = found[0]->role.name;
   if (found.size() > 1) {
-    sources.fail("several topics with {}, {} and {}",
+    sources.fail("several topics with {}, {} and {}; choose with --truth-topic",
                  found[0]->role.type == kPointType ? "positions" : "poses", name,
                  found[1]->role.name);
   }

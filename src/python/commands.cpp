@@ -73,7 +73,7 @@ PathArrays read_path(const std::string& file, bool truth) {
   eval::Trajectory path;
   {
     const py::gil_scoped_release release;
-    path = truth ? tools::truth_of(file, io::Attitude::kOptional) : io::read_trajectory(file);
+    path = truth ? tools::truth_of(file, {}, io::Attitude::kOptional) : io::read_trajectory(file);
   }
   std::vector<std::int64_t> times;
   std::vector<std::array<double, 3>> positions;

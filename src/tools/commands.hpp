@@ -165,6 +165,7 @@ void run_simulate(const SimulateArguments& arguments);
 /// `rio evaluate`: estimated paths against the true one.
 struct EvaluateArguments {
   std::string truth;
+  std::string truth_topic;  ///< if that is a bag
   std::vector<std::string> estimates;
   std::string align = "none";
   double max_diff = 0.01;
@@ -174,7 +175,9 @@ struct EvaluateArguments {
 };
 void evaluate(const EvaluateArguments& arguments);
 /// Of any file or folder, or of a bag.
-eval::Trajectory truth_of(const std::string& path, io::Attitude attitude = io::Attitude::kRequired);
+/// @param topic of a bag; empty: the only one
+eval::Trajectory truth_of(const std::string& path, const std::string& topic,
+                          io::Attitude attitude = io::Attitude::kRequired);
 /// False of positions alone, and of nothing.
 bool has_attitude(const eval::Trajectory& path);
 
@@ -188,6 +191,7 @@ struct CompareArguments {
   std::vector<std::string> vary;      ///< "KEY=VALUE,VALUE,...": same, every combination
   std::string init;
   std::string truth;
+  std::string truth_topic;  ///< of any bag
   std::string align = "none";
   std::string report;  ///< HTML page
 };
@@ -198,6 +202,7 @@ struct PlotArguments {
   std::vector<std::string> estimates;
   std::vector<std::string> labels;
   std::string truth;
+  std::string truth_topic;  ///< if that is a bag
   std::string align = "none";
   std::string out;
 };

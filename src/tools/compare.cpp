@@ -132,11 +132,12 @@ std::vector<Run> runs_of(const CompareArguments& arguments) {
 
 /// The given truth, or that of the first recording that has one.
 eval::Trajectory common_truth(const CompareArguments& arguments) {
-  if (!arguments.truth.empty()) return truth_of(arguments.truth, io::Attitude::kOptional);
+  if (!arguments.truth.empty())
+    return truth_of(arguments.truth, arguments.truth_topic, io::Attitude::kOptional);
   for (const std::string& path : arguments.runs) {
     if (!is_recording(path)) continue;
     try {
-      return truth_of(path, io::Attitude::kOptional);
+      return truth_of(path, arguments.truth_topic, io::Attitude::kOptional);
     } catch (const std::runtime_error&) {  // it has none
     }
   }

@@ -204,11 +204,12 @@ void print_table(const TextTable& rows) {
   }
 }
 
-eval::Trajectory truth_of(const std::string& path, io::Attitude attitude) {
+eval::Trajectory truth_of(const std::string& path, const std::string& topic,
+                          io::Attitude attitude) {
   if (io::is_dataset_folder(path) || !bag::begins_as_recording(path))
     return io::read_trajectory(path, io::TumOrder::kStrict, attitude);
   eval::Trajectory truth;
-  for (const NavState& state : bag::read_truth(path, attitude == io::Attitude::kOptional)) {
+  for (const NavState& state : bag::read_truth(path, attitude == io::Attitude::kOptional, topic)) {
     truth.push_back({state.time, state.p_WB, state.q_WB});
   }
   return truth;
@@ -219,7 +220,8 @@ bool has_attitude(const eval::Trajectory& path) {
 }
 
 void evaluate(const EvaluateArguments& arguments) {
-  eval::Trajectory truth = truth_of(arguments.truth, io::Attitude::kOptional);
+  eval::Trajectory truth =
+      truth_of(arguments.truth, arguments.truth_topic, io::Attitude::kOptional);
   if (!truth.empty() && !has_attitude(truth)) {
     print_notes(
         {"the truth holds positions alone, of a prism or an antenna: errors of the attitude and "

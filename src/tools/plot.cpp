@@ -242,7 +242,8 @@ void plot(const PlotArguments& arguments) {
       arguments.labels.empty() ? default_labels(arguments.estimates) : arguments.labels;
   const bool with_truth = !arguments.truth.empty();
   const eval::Trajectory truth =
-      with_truth ? truth_of(arguments.truth, io::Attitude::kOptional) : eval::Trajectory{};
+      with_truth ? truth_of(arguments.truth, arguments.truth_topic, io::Attitude::kOptional)
+                 : eval::Trajectory{};
 
   std::vector<Series> all;
   for (std::size_t i = 0; i < labels.size(); ++i) {

@@ -86,6 +86,10 @@ void add_recording_options(const Command& command, RecordingArguments* how, bool
 
 constexpr const char* kOverTruth = "lay the estimates over the truth first: none, origin, yaw, se3";
 
+void add_truth_topic(const Command& command, std::string* to, const char* name = "--truth-topic") {
+  command.add(name, to, "topic, of a bag; by default the only one with poses");
+}
+
 CLI::Option* add_alignment(const Command& command, std::string* to, const char* what = kOverTruth) {
   return command.add("--align", to, what, CLI::IsMember({"none", "origin", "yaw", "se3"}), kShown);
 }
@@ -180,6 +184,7 @@ void add_evaluate_command(CLI::App& app) {
   command.add("TRUTH", &to->truth, std::string(kTrajectory) + "; t x y z alone, too", kRequired);
   command.add("ESTIMATE", &to->estimates, "same formats; several give a table of a row each",
               kRequired);
+  add_truth_topic(command, &to->truth_topic, "--truth-topic,--truth");
   add_alignment(command, &to->align,
                 "for MAE, RMSE, drift, yaw and tilt: none (as the papers), origin, yaw, se3");
   command.add("--json", &to->json, "print one JSON line an estimate");
@@ -212,6 +217,7 @@ void add_compare_command(CLI::App& app) {
   command.add(
       "--truth", &to->truth,
       "true path: TUM file, EuRoC csv, dataset folder or bag; by default that of the recording");
+  add_truth_topic(command, &to->truth_topic);
   add_alignment(command, &to->align);
   command.add("--report", &to->report, "page to write, HTML: table, paths, differences");
   add_recording_options(command, &to->how, false);
@@ -232,6 +238,7 @@ void add_plot_command(CLI::App& app) {
   command.add("ESTIMATE", &to->estimates, kTrajectory, kRequired);
   CLI::Option* truth =
       command.add("--truth", &to->truth, "true path: same formats; adds the errors");
+  add_truth_topic(command, &to->truth_topic);
   command.add("--label", &to->labels, "names for the legend, one for each estimate");
   add_alignment(command, &to->align)->needs(truth);
   command.add("--out", &to->out, "SVG file to write", kRequired);

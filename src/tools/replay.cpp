@@ -59,7 +59,7 @@ eval::Trajectory truth_for_view(const ReplayArguments& arguments, const OpenReco
   const bool folder = io::is_dataset_folder(arguments.dataset);
   if (folder && recording.sensors.ground_truth.empty()) return {};
   try {
-    return truth_of(arguments.dataset);
+    return truth_of(arguments.dataset, arguments.how.truth);
   } catch (const std::runtime_error&) {
     if (folder) throw;
     return {};  // a bag without a topic of it

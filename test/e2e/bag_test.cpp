@@ -167,7 +167,7 @@ TEST_F(Bag, TruthAndBarometerOfABagAreThoseOfItsFolder) {
     rio("replay " + file("of_truth") + how + file("b.tum"));
     EXPECT_EQ(dir_->read("a.tum"), dir_->read("b.tum"));
   }
-  const double error = path_error(bag, file("a.tum"), " --align yaw");
+  const double error = path_error(bag, file("a.tum"), " --align yaw --truth /truth");
   EXPECT_NEAR(error, path_error(flight_, file("a.tum"), " --align yaw"), 1e-6);
   EXPECT_LT(error, 0.5);
 }

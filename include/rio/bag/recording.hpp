@@ -96,7 +96,9 @@ RecordingRequest load_recording_map(const std::filesystem::path& path, Recording
 /// The ground truth of a file for open_messages(): stamped as the recording in it would be by
 /// default, else by the headers.
 /// @param positions RecordingRequest::positions
+/// @param topic RecordingRequest::truth_topic
 /// @throws std::runtime_error if there is no topic with one, or several
-std::vector<NavState> read_truth(const std::filesystem::path& path, bool positions = false);
+std::vector<NavState> read_truth(const std::filesystem::path& path, bool positions = false,
+                                 const std::string& topic = {});
 
 }  // namespace rio::bag
