@@ -208,9 +208,14 @@ class OneClock {
                  stamps.delay()};
     for (const Shifts::Jump& jump : how.shifts.jumps) {
       sources_->note(
-          "{}: the header clock jumps by {:+.3f} s at message {}; later stamps are moved by "
-          "{:+.6f} s: it goes on as the messages were received",
-          source->role.name, to_seconds(jump.by), jump.message + 1, to_seconds(jump.added));
+          "{}: the header clock {}; later stamps are moved by {:+.6f} s: it goes on as the "
+          "messages "
+          "were received",
+          source->role.name,
+          jump.message == 0 ? "begins as another one"
+                            : fmt::format("jumps by {:+.3f} s at message {}", to_seconds(jump.by),
+                                          jump.message + 1),
+          to_seconds(jump.added));
     }
     if (clock != Clock::kHeader && source->role.type == kCloudType && offset == 0.0) {
       sources_->note("scans arrive later than they were measured: --radar-offset, below zero");

@@ -99,12 +99,20 @@ Time Stamps::Piece::least() const {
   return *std::min_element(delays.begin(), delays.end());
 }
 
+std::size_t Stamps::anchor() const {
+  const auto agrees = [](const Piece& piece) {
+    return piece.delays.size() > kStray && std::chrono::abs(piece.least()) < kSecond;
+  };
+  const auto found = std::ranges::find_if(pieces_, agrees);
+  return found == pieces_.end() ? 0 : static_cast<std::size_t>(found - pieces_.begin());
+}
+
 Time Stamps::delay() {
-  return pieces_.empty() ? Time(0) : pieces_.front().median();
+  return pieces_.empty() ? Time(0) : pieces_[anchor()].median();
 }
 
 Time Stamps::least_delay() const {
-  return pieces_.empty() ? Time(0) : pieces_.front().least();
+  return pieces_.empty() ? Time(0) : pieces_[anchor()].least();
 }
 
 bool Stamps::is_on_clock_of(const Stamps& other) const {
@@ -130,13 +138,14 @@ std::vector<Stamps::Pause> Stamps::common_pauses(const std::vector<const Stamps*
 
 Shifts Stamps::shifts() {
   Shifts out;
-  Time least = least_delay();
-  for (std::size_t k = 1; k < pieces_.size(); ++k) {
+  const Time right = delay();
+  Time least = pieces_.empty() ? Time(0) : pieces_.front().least();
+  for (std::size_t k = 0; k < pieces_.size(); ++k) {
     if (pieces_[k].delays.size() <= kStray) continue;  // the end of the recording
     const Time before = std::exchange(least, pieces_[k].least());
     const bool ahead = pieces_[k].by > Time(0) && pieces_[k].jitter == kBack;
     if (ahead && pieces_[k].median() > before - kBack) continue;  // no longer late, as before
-    const Time added = pieces_[k].median() - pieces_.front().median();
+    const Time added = pieces_[k].median() - right;
     // up to the jitter of a delay it is no jump of the clock, but a message that came late
     if (std::chrono::abs(added - out.last()) < pieces_[k].jitter) continue;
     out.jumps.push_back({pieces_[k].begin, pieces_[k].by, added});

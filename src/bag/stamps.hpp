@@ -69,7 +69,7 @@ class Stamps {
   bool has_headers() const { return 100 * zeros <= count; }
   /// Not with those of whole seconds, nor with one for all messages.
   bool has_times() const { return has_headers() && 2 * repeats <= count; }
-  /// Median of receive - header, up to the first jump; without zero headers.
+  /// Median of receive - header, on the right clock of the headers; without zero headers.
   Time delay();
   /// The smallest one: a topic that arrives later and later had it when it was on time.
   Time least_delay() const;
@@ -95,6 +95,9 @@ class Stamps {
     Time median();
     Time least() const;
   };
+  /// The piece on the right clock: the first one that agrees with the receive clock, to a second;
+  /// the first of all if none does.
+  std::size_t anchor() const;
   /// Of the header clock, rather than a message that came late or was stamped twice.
   bool is_step_back(Time step, Time passed) const;
   /// Same, or of a message that came late before some that were lost: shifts() tells them apart.

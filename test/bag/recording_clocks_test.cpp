@@ -53,6 +53,20 @@ TEST_F(RecordingClocks, AClockThatJumpsGoesOnAsTheMessagesWereReceived) {
   }
 }
 
+TEST_F(RecordingClocks, AClockThatIsSetToTheRecordersIsRightFromTheBegin) {
+  constexpr Time kBoot = -1'599'999'000 * kSecond;
+  const io::Dataset good = read(test::at_rest(Wire::kRos1, 40));
+  for (const std::string of : {"both", "imu", "radar"}) {
+    std::vector<Written> messages = jumping(of, -kBoot, Time(0));
+    for (Written& m : messages) {
+      if (of == "both" || m.topic == "/" + of) move_header(&m, kBoot);
+    }
+    const io::Dataset recording = read(messages);
+    expect_same(recording, good);
+    expect_told(recording, "the header clock begins as another one");
+  }
+}
+
 TEST_F(RecordingClocks, AHeaderThatIsLeftZeroIsThatOfItsReceiveTime) {
   const io::Dataset good = read(test::at_rest(Wire::kRos1, 40));
   for (std::size_t which : {0U, 100U}) {
