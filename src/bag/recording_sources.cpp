@@ -270,7 +270,8 @@ void Sources::choose_radars() {
       const std::string why =
           same ? "another one has the same frame" : frames.why_not(radar->frame, imu->frame);
       fail_ambiguous(*radar,
-                     fmt::format(" (all at once would need the mounting of each: {}: {})",
+                     fmt::format(" (all at once would need the mounting of each: {}: {}); if "
+                                 "--sensors has them: --radar TOPIC,TOPIC in its order",
                                  radar->role.name, why.empty() ? "there is no /tf_static" : why));
     }
     known.push_back(radar->frame);

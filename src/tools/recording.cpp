@@ -149,9 +149,14 @@ void write_mcap(const fs::path& out, const io::Dataset& dataset) {
 /// What a bag of rio does not hold of this recording.
 void print_what_is_left_out(const std::string& out, const std::string& source,
                             const io::Dataset& dataset) {
-  fmt::print("Not in the bag: mounting and noise, which `rio replay {} --sensors {}` takes{}{}.\n",
-             out, source, dataset.ground_truth.empty() ? "" : "; the ground truth",
-             dataset.baro.empty() ? "" : "; the barometer");
+  std::string radars = dataset.other_radars.empty() ? "" : " --radar /radar0";
+  for (std::size_t r = 1; r <= dataset.other_radars.size(); ++r) {
+    radars += fmt::format(",/radar{}", r);
+  }
+  fmt::print(
+      "Not in the bag: mounting and noise, which `rio replay {} --sensors {}{}` takes{}{}.\n", out,
+      source, radars, dataset.ground_truth.empty() ? "" : "; the ground truth",
+      dataset.baro.empty() ? "" : "; the barometer");
 }
 
 /// Properties missing in every ROS recording.

@@ -203,7 +203,7 @@ TEST_F(DriverRecording, SeveralRadarsHaveTheirMountingsFromTheTree) {
   std::vector<Written> messages = two_radars();
   EXPECT_ERROR(read(messages),
                "choose with --radar (all at once would need the mounting of each: /radar: there is "
-               "no /tf_static)");
+               "no /tf_static); if --sensors has them: --radar TOPIC,TOPIC in its order:");
   const Time when = messages[0].received;
   messages.insert(messages.begin(),
                   transforms(when, {{"base", "imu_link", {quarter, {1.0, 0.0, 0.0}}},

@@ -211,6 +211,11 @@ TEST_F(Bag, FolderAsMcapHoldsWhatTheFolderHolds) {
   fails(1, "convert " + mcap + " " + mcap + " --force", {"would replace an input"});
   fails(1, convert, {"holds a recording already; --force overwrites it"});
   rio(convert + " --force");
+  fs::copy(copy("two") / "radar0", file("two/radar1"));
+  const std::string how =
+      file("two.mcap") + " --sensors " + file("two") + " --radar /radar0,/radar1";
+  rio("convert " + file("two") + " " + file("two.mcap"), {"`rio replay " + how + "`"});
+  rio("replay " + how + " --no-check --quiet --out " + file("two.tum"));
 }
 
 TEST_F(Bag, CalibratesAsItsFolderDoes) {
