@@ -83,6 +83,9 @@ class Frames {
     if (of_child_.empty()) {
       return moving_ ? "transforms on /tf are not read: a fixed one belongs on /tf_static" : "";
     }
+    if (frame.empty() || in.empty()) {
+      return fmt::format("the messages of the {} have no frame_id", in.empty() ? "IMU" : "radar");
+    }
     const bool loops = to_root(frame).root.empty() || to_root(in).root.empty();
     return loops ? "the frames of /tf_static make a loop"
                  : fmt::format("/tf_static does not connect {} with {}", frame, in);

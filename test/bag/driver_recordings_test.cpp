@@ -262,6 +262,13 @@ TEST_F(DriverRecording, AMountingThatTheTreeDoesNotHaveIsTold) {
     EXPECT_FALSE(recording.radar_info.T_BS);
     expect_told(recording, said);
   }
+  std::vector<Written> messages = test::at_rest(Wire::kRos1, 10);
+  for (Written& m : messages) {
+    if (m.topic == "/imu") m.data.replace(m.data.find("imu_link") - 4, 12, test::block(""));
+  }
+  messages.insert(messages.begin(),
+                  transforms(messages[0].received, {{"imu_link", "radar", same}}));
+  expect_told(read(messages), "(the messages of the IMU have no frame_id)");
 }
 
 TEST_F(DriverRecording, CloudsWithoutDopplerAreNoRadar) {
