@@ -78,6 +78,7 @@ std::vector<io::Dataset> read_all(const CalibrateArguments& arguments) {
     (void)io::tell_sensors_and_values(dataset, arguments.values, &options);
     take_out_clock_steps(options, &dataset);
     print_notes(dataset.notes);
+    print_wrong(findings_of(name, dataset, options));
     if (!dataset.damage.empty()) print_notes({dataset.damage + "; what stands before is used"});
   }
   return datasets;

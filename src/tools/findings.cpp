@@ -92,6 +92,11 @@ std::string findings_text(const check::Findings& findings) {
   return text.empty() ? "data: nothing found\n" : text;
 }
 
+void print_wrong(check::Findings findings) {
+  std::erase_if(findings, [](const Finding& f) { return f.verdict != Verdict::kWrong; });
+  if (!findings.empty()) fmt::print(stderr, "{}", findings_text(findings));
+}
+
 Checked run_check(const CheckArguments& arguments) {
   const io::Dataset dataset = read_any(arguments.dataset, arguments.how);
   Options options;

@@ -58,6 +58,9 @@ check::Findings not_ok(check::Findings findings);
 /// One line each, "data: nothing found" if there are none.
 std::string findings_text(const check::Findings& findings);
 
+/// The wrong ones on the standard error: what follows from such data is wrong as well.
+void print_wrong(check::Findings findings);
+
 /// Why a replay has not started, with what `check` found as the causes.
 std::string no_start_text(const std::optional<check::Findings>& data);
 

@@ -95,6 +95,7 @@ void fit_noise(const FitNoiseArguments& arguments) {
   const Options options = options_of(dataset, arguments.values);
   take_out_clock_steps(options, &dataset);
   print_notes(dataset.notes);
+  print_wrong(findings_of(arguments.dataset, dataset, options));
   calibrate::Recording recording;
   recording.start = make_start(arguments, dataset, options);
   recording.imu = std::move(dataset.imu);

@@ -91,6 +91,11 @@ TEST_F(Calibrate, SaysWhatIsWrong) {
            {damaged.string(), "radar0/data.csv"}}) {
     fails(1, "calibrate " + arguments, {part});
   }
+  const std::string negated = changed("negated", "radar0/data.csv", "$5 = -$5");
+  for (const char* command : {"calibrate ", "fit-noise "}) {
+    expect_parts(try_rio(command + negated).output,
+                 {"data wrong: axes and Doppler sign: ", "-> negate the column doppler"});
+  }
 }
 
 TEST(FitNoise, PrintsAnOptionFileThatReplayTakes) {
