@@ -42,6 +42,7 @@ class OneClock {
     const Stamps& stamps = sources_->imu->stamps;
     const Stamping& how = out_->imu.stamping;
     outline.imu_samples = stamps.count - (sources_->accel == nullptr ? sources_->imu->absent : 0);
+    outline.imu_odd = stamps.backs > 0;
     outline.imu_begin = how.stamp(stamps.first.stamp, stamps.first_received, 0);
     outline.imu_end = how.stamp(stamps.last.stamp, stamps.last_received, stamps.count - 1);
     for (Source* source : sources_->radars) {

@@ -30,6 +30,7 @@ void Stamps::add(const Header& head, Time when, bool all) {
     // a late or lost message moves both clocks, or the receive time alone
     const Time step = head.stamp - stamped_;
     repeats += all && step == Time(0) ? 1 : 0;
+    backs += step < Time(0) ? 1 : 0;
     const Time passed = when - stamped_received_;
     const bool odd = step < Time(0) || step > kJump;
     const bool set_back = !pieces_.empty() && is_step_back(step, passed);

@@ -59,6 +59,7 @@ class Stamps {
   std::size_t count = 0;
   std::size_t zeros = 0;    ///< of the headers
   std::size_t repeats = 0;  ///< headers that equal the one before, if each is kept
+  std::size_t backs = 0;    ///< headers before the one before
   Header first, last;
   Time first_received{0}, last_received{0};
   std::vector<Time> header;

@@ -127,13 +127,16 @@ std::vector<ClockStep> possible_steps(const std::vector<Time>& stamps) {
     }
     return true;
   };
+  // batches whose stamps overlap go back by little at each
+  const bool only = std::ranges::count_if(intervals, [](double s) { return s < 0.0; }) == 1;
   std::vector<ClockStep> out;
   for (std::size_t i = 0; i < intervals.size(); ++i) {
     const double step = intervals[i] - usual;
-    if (!(std::abs(step) > kSmallest)) continue;
-    const bool corrupt =
-        i + 1 < intervals.size() && std::abs(step + intervals[i + 1] - usual) < kRepaired;
-    if (!corrupt) out.push_back({i + 1, from_seconds(step), stays_back(i)});
+    const bool certain = stays_back(i);
+    if (!(std::abs(step) > kSmallest) && !(certain && only)) continue;
+    const bool corrupt = !certain && i + 1 < intervals.size() &&
+                         std::abs(step + intervals[i + 1] - usual) < kRepaired;
+    if (!corrupt) out.push_back({i + 1, from_seconds(step), certain});
     if (corrupt) ++i;
   }
   if (out.size() <= kMost) return out;

@@ -100,7 +100,8 @@ void survey_imu(const fs::path& path, RecordingOutline* outline) {
     if (earlier == 0 || (earlier == 1 && apart)) outline->imu_begin = sample.time;
     if (earlier <= 1) outline->imu_end = sample.time;
     if (!apart) outline->imu_end = std::max(outline->imu_end, sample.time);
-    const bool odd = std::abs(to_seconds(sample.time) - to_seconds(before)) > kOdd;
+    const bool odd =
+        sample.time < before || std::abs(to_seconds(sample.time) - to_seconds(before)) > kOdd;
     outline->imu_odd = outline->imu_odd || (earlier > 0 && odd);
     back += earlier > 0 && sample.time < before ? 1 : 0;
     before = sample.time;

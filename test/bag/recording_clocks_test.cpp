@@ -67,6 +67,16 @@ TEST_F(RecordingClocks, AClockThatIsSetToTheRecordersIsRightFromTheBegin) {
   }
 }
 
+/// Too near for a jump: the check looks.
+TEST_F(RecordingClocks, StampsOfTheImuThatGoBackAreOdd) {
+  const auto is_odd = [this](Time step) {
+    (void)read(jumping("imu", step, Time(0)));
+    return open_recording(dir_.path() / "a", {})->outline().imu_odd;
+  };
+  EXPECT_FALSE(is_odd(Time(0)));
+  EXPECT_TRUE(is_odd(-kSecond / 25));
+}
+
 TEST_F(RecordingClocks, AHeaderThatIsLeftZeroIsThatOfItsReceiveTime) {
   const io::Dataset good = read(test::at_rest(Wire::kRos1, 40));
   for (std::size_t which : {0U, 100U}) {

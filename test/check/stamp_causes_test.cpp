@@ -139,6 +139,9 @@ TEST(ImuStamps, AStepOfTheClockIsFoundToTheSample) {
     SCOPED_TRACE(step);
     expect_step_found(&io::Dataset::imu, step, "imu stamps", "sample");
   }
+  io::Dataset small = expect_step_found(&io::Dataset::imu, -0.045, "imu stamps", "sample");
+  step_stamps(&small.imu, small.imu.size() / 2, -0.045);  // such as batches that overlap
+  EXPECT_TRUE(steps_of_both(small).imu.empty());
 }
 
 TEST(Clocks, ThatGoBackTogetherStep) {

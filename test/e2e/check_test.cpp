@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `rio check` as a user runs it; with RIO_TEST_DATA also on real recordings.
+#include <tuple>
+
 #include "e2e/tool.hpp"
 #include "support/real_data.hpp"
 
@@ -77,12 +79,14 @@ TEST_F(Check, AReplayEndsWithWhatIsNotOk) {
 
 TEST_F(Check, AReplayTakesStepsOfAClockOut) {
   rio("replay --quiet " + flight_ + " --out " + file("as_flown.tum"));
-  const std::string step =
-      "if (!first) first = $1; if ($1 - first > 6e9) $1 = sprintf(\"%.0f\", $1 + 3e8)";
-  for (const auto& [csv, note] :
-       {std::pair("radar0/data.csv", "radar0 steps by +0.300 s at scan "),
-        std::pair("imu0/data.csv", "the IMU steps by +0.300 s at sample ")}) {
-    const std::string folder = changed(std::string("stepped_") + std::string(csv, 4), csv, step);
+  for (const auto& [csv, by, note] :
+       {std::tuple("radar0/data.csv", "3e8", "radar0 steps by +0.300 s at scan "),
+        std::tuple("imu0/data.csv", "3e8", "the IMU steps by +0.300 s at sample "),
+        std::tuple("imu0/data.csv", "-45e6", "the IMU steps by -0.045 s at sample ")}) {
+    const std::string step =
+        std::string("if (!first) first = $1; if ($1 - first > 6e9) $1 = sprintf(\"%.0f\", $1 + ") +
+        by + ")";
+    const std::string folder = changed(std::string(csv, 4) + by, csv, step);
     const std::string out = folder + ".tum";
     rio("replay " + folder + " --out " + out,
         {std::string("note: the clock of ") + note, "a clock steps within"});

@@ -20,7 +20,7 @@ struct RecordingOutline {
   std::size_t imu_samples = 0;
   Time imu_begin{0};  ///< stamp of the first sample in the file, unless it is corrupt
   Time imu_end{0};    ///< stamp of the last one
-  /// In a folder: some interval between samples is above 0.05 s or goes back as much.
+  /// Some sample is before the one before; in a folder also: some interval is above 0.05 s.
   bool imu_odd = false;
   /// Stamps of the scans in file order, by radar.
   std::vector<std::vector<Time>> scan_times;
