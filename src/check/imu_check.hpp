@@ -107,6 +107,12 @@ ImuCheck check_imu(const Usable& samples, const io::ImuInfo& info, Source source
 Finding check_accel(const std::vector<ImuSample>& samples, const Rest& rest, Source source,
                     ImuCheck* found);
 
+/// The unit of the gyro. Parameters as those of check_accel().
+/// @param counts the accelerometer is in no unit
+/// @param unit found [rad/s]; unchanged if it is that
+Finding check_gyro(const std::vector<ImuSample>& samples, const Rest& rest, Source source,
+                   bool counts, double* unit);
+
 /// Unit, rate and order of the stamps, and what the lost samples cost the estimate. Parameters as
 /// those of check_imu(), at least two good samples.
 /// @param unit of the stamps [ns]; unchanged if it is that, else the change is up to the caller

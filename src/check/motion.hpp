@@ -41,6 +41,8 @@ struct RadarSpeed {
   double inlier_share = 0.0;
 };
 
+inline constexpr double kModels = 0.1;  ///< errors of a good scan beyond the noise model [m/s]
+
 /// One for each scan whose Dopplers agree on a velocity close to that of its neighbours. The fields
 /// of view are not applied, since the axes may be wrong.
 std::vector<RadarSpeed> radar_speeds(const Scans& scans, Options options);

@@ -52,7 +52,8 @@ const std::vector<Event>& EventWatch::look(const Odometry& odometry) {
   count(&Counters::clock_restarts, kReset, "the clock of the sensors restarted");
   count(&Counters::radar_clock_steps, kReset, "the clock of a radar stepped");
   count(&Counters::velocity_resets, kReset, "the velocity was replaced");
-  count(&Counters::attitude_resets, kReset, "tilt was replaced, or the sigma of heading and gyro bias widened");
+  count(&Counters::attitude_resets, kReset,
+        "tilt was replaced, or the sigma of heading and gyro bias widened");
   count(&Counters::restarts, kReset, "the tilt was lost and found again");
   if (report.position_reopened > 0.0) {
     add(kReopened, false,

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -120,6 +121,19 @@ inline void expect(const Finding& finding, Verdict verdict, const std::string& t
   EXPECT_EQ(finding.verdict, verdict) << finding.text;
   EXPECT_PRED2(contains, finding.text, text);
   EXPECT_PRED2(contains, finding.change, change);
+}
+
+/// The rotation in a line to paste.
+inline Quaternion mounting_in(const std::string& line) {
+  const std::string key = "quaternion_wxyz: [";
+  const std::size_t at = line.find(key);
+  Quaternion q = Quaternion::Identity();
+  EXPECT_NE(at, std::string::npos) << line;
+  if (at == std::string::npos) return q;
+  const int read = std::sscanf(line.c_str() + at + key.size(), "%lf, %lf, %lf, %lf", &q.w(), &q.x(),
+                               &q.y(), &q.z());
+  EXPECT_EQ(read, 4) << line;
+  return q;
 }
 
 /// What is said of the flight with a fault.

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <fstream>
 #include <string>
 
@@ -19,19 +18,6 @@
 
 namespace rio::test {
 namespace {
-
-/// The rotation in a line to paste.
-Quaternion mounting_in(const std::string& line) {
-  const std::string key = "quaternion_wxyz: [";
-  const std::size_t at = line.find(key);
-  Quaternion q = Quaternion::Identity();
-  EXPECT_NE(at, std::string::npos) << line;
-  if (at == std::string::npos) return q;
-  const int read = std::sscanf(line.c_str() + at + key.size(), "%lf, %lf, %lf, %lf", &q.w(), &q.x(),
-                               &q.y(), &q.z());
-  EXPECT_EQ(read, 4) << line;
-  return q;
-}
 
 struct FaultyFlight {
   const char* name;
@@ -72,59 +58,6 @@ TEST(Check, EveryFlightOfTheCatalogueIsOkUnlessTheRadarIsSilentForLong) {
 TEST(Check, SaysThatHoverDoesNotTell) {
   expect(said(flown("hover", 40.0), "axes and Doppler sign"), Verdict::kOk,
          "the motion does not tell");
-}
-
-TEST(Check, WhatItSaysToChangePutsTheMountingRight) {
-  io::Dataset dataset = flown("indoor-1", 60.0);
-  const Quaternion truth = dataset.radar_info.T_BS->rotation;
-  turn_mounting(&dataset, {0.0, 0.0, kHalfTurn}, true);
-  const std::string line = said(dataset, "axes and Doppler sign").change;
-  const Quaternion q = mounting_in(line);
-  EXPECT_LT(quaternion_log(truth.conjugate() * q).norm(), 1e-3) << line;
-}
-
-TEST(Check, FindsAMountingThatNobodyConfigured) {
-  io::Dataset dataset = flight();
-  Quaternion& configured = dataset.radar_info.T_BS->rotation;  // 45 deg down
-  const Quaternion truth = configured;
-  configured = quaternion_exp(Vector3d(0.6, -0.9, 0.4)) * truth;
-  const Finding finding = said(dataset, "axes and Doppler sign");
-  EXPECT_EQ(finding.verdict, Verdict::kWrong) << finding.text;
-  const double off = quaternion_log(truth.conjugate() * mounting_in(finding.change)).norm();
-  expect_below("mounting found at any angle, off by [deg]", off * 180.0 / kHalfTurn, 10.0);
-}
-
-TEST(Check, FiveScansASecondTellTheMounting) {
-  io::Dataset dataset = flight();
-  std::size_t i = 0;
-  std::erase_if(dataset.scans, [&i](const RadarScan&) { return i++ % 3 != 0; });
-  dataset.radar_info.rate_hz = 5.0;
-  expect_ok(dataset);
-  turn_mounting(&dataset, {0.0, 0.0, kHalfTurn}, true);
-  EXPECT_EQ(said(dataset, "axes and Doppler sign").verdict, Verdict::kWrong);
-}
-
-TEST(Check, FindsAMountingWhoseArmNobodyMeasured) {
-  sim::Scenario scenario = scenario_named("aggressive");
-  scenario.path.length = 60.0;
-  scenario.radar.T_BS.translation = {0.25, -0.1, 0.1};
-  io::Dataset dataset = flown(scenario);
-  Pose& configured = *dataset.radar_info.T_BS;
-  const Quaternion truth = configured.rotation;
-  configured = {quaternion_exp(Vector3d(0.6, -0.9, 0.4)) * truth, Vector3d::Zero()};
-  const Finding finding = said(dataset, "axes and Doppler sign");
-  const double off = quaternion_log(truth.conjugate() * mounting_in(finding.change)).norm();
-  expect_below("mounting found without its arm of 0.29 m, off by [deg]", off * 180.0 / kHalfTurn,
-               4.5);
-}
-
-TEST(Check, FindsTheAxesOfALateRadar) {
-  io::Dataset dataset = flight();
-  turn_mounting(&dataset, {0.0, 0.0, kHalfTurn}, true);
-  delay_scans(&dataset, 0.12);
-  for (const char* subject : {"axes and Doppler sign", "delay of the radar"}) {
-    EXPECT_EQ(said(dataset, subject).verdict, Verdict::kWrong) << subject;
-  }
 }
 
 /// The one that is not ok.
