@@ -28,6 +28,11 @@ constexpr const char* kInit =
 /// Options to read a bag, for every command that takes one.
 /// @param truth with --truth, its topic
 void add_recording_options(const Command& command, RecordingArguments* how, bool truth = true) {
+  command.add(
+      "--sensors", &how->sensors,
+      "folder with imu0/sensor.yaml, radar0/sensor.yaml: mounting and noise, in place of those "
+      "of the recording",
+      CLI::ExistingDirectory);
   const Command of_a_bag = command.under("Of a bag");
   const CLI::IsMember axes({"flu", "ti", "rdf", "frd"});
   std::string names;
@@ -77,10 +82,6 @@ void add_recording_options(const Command& command, RecordingArguments* how, bool
   of_a_bag.add("--radar-offset", &how->radar_offset, "added to the stamps, as \"-0.12 s\"");
   of_a_bag.add("--imu-axes", &how->imu_axes, "of the IMU, turned to flu: ti, rdf or frd", axes);
   of_a_bag.add("--gyro-unit", &how->gyro_unit, "of the file, as deg/s");
-  of_a_bag.add(
-      "--sensors", &how->sensors,
-      "folder with imu0/sensor.yaml, radar0/sensor.yaml: mounting and noise; also of a folder",
-      CLI::ExistingDirectory);
   of_a_bag.add("--accel-unit", &how->accel_unit, "of the file, as g");
 }
 
@@ -133,7 +134,7 @@ void add_info_command(CLI::App& app) {
 
 void add_convert_command(CLI::App& app) {
   const Command command(app, "convert",
-                        "Write a bag as a folder in ASL/EuRoC layout, or a folder as MCAP");
+                        "Write a bag or a folder as a folder in ASL/EuRoC layout, or as MCAP");
   ConvertArguments* to = command.runs(&convert);
   command.add("FILE", &to->recording,
               "ROS 1 bag, MCAP, or .db3 of rosbag2; or a folder of its parts, or in ASL layout",
@@ -150,7 +151,7 @@ void add_check_command(CLI::App& app) {
       "Is a recording what an estimator takes it to be? Stamps, units, Doppler, axes and delays,\n"
       "each ok, doubtful or wrong, with what to change. Exit status 3 if something is wrong");
   CheckArguments* to = command.runs(&check_recording);
-  command.add("DATASET", &to->dataset, kFolderOrBag, kRequired);
+  command.add("RECORDING", &to->dataset, kFolderOrBag, kRequired);
   add_option_values(command, &to->values,
                     "option file with what is known of the sensors, as the mounting");
   command.add("--json", &to->json, "print one JSON line instead of the sentences");
@@ -160,7 +161,7 @@ void add_check_command(CLI::App& app) {
 void add_replay_command(CLI::App& app) {
   const Command command(app, "replay", "Run a recording through the estimator");
   ReplayArguments* to = command.runs(&replay);
-  command.add("DATASET", &to->dataset, kFolderOrBag, kRequired);
+  command.add("RECORDING", &to->dataset, kFolderOrBag, kRequired);
   add_estimator_options(command, &to->estimator);
   command.add("--init", &to->init, kInit);
   command
@@ -247,7 +248,7 @@ void add_plot_command(CLI::App& app) {
 void add_fit_noise_command(CLI::App& app) {
   const Command command(app, "fit-noise", "Estimate the noise of the radar from a recording");
   FitNoiseArguments* to = command.runs(&fit_noise);
-  command.add("DATASET", &to->dataset, kFolderOrBag, kRequired);
+  command.add("RECORDING", &to->dataset, kFolderOrBag, kRequired);
   add_option_values(command, &to->values, "option file; its sigmas are where it starts");
   command.add("--init", &to->init, "static, groundtruth or a file", kShown);
   command.add("--no-truth", &to->no_truth,
@@ -261,7 +262,7 @@ void add_calibrate_command(CLI::App& app) {
       "Estimate mounting, time offset and Doppler scale of the radar and the noise of the sensors");
   CalibrateArguments* to = command.runs(&calibrate);
   command.add(
-      "DATASET", &to->datasets,
+      "RECORDING", &to->datasets,
       "folders in ASL/EuRoC layout, or bags, of one and the same mounting; each begins at rest",
       kRequired);
   command.add("--out", &to->out,

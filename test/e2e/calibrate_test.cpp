@@ -79,7 +79,7 @@ TEST_F(Calibrate, OverwritesOnlyWhatItIsToldToAndPrintsATable) {
 }
 
 TEST_F(Calibrate, SaysWhatIsWrong) {
-  fails(2, "calibrate", {"DATASET"});
+  fails(2, "calibrate", {"RECORDING"});
   const fs::path damaged = copy("damaged");
   fs::remove(damaged / "radar0/data.csv");
   for (const auto& [arguments, part] : std::vector<std::pair<std::string, std::string>>{

@@ -133,7 +133,7 @@ TEST_F(Check, AReplayThatCannotStartPrintsWhatCheckFinds) {
 
 TEST_F(Check, NothingToCheck) {
   fails(1, "check " + file("nothing"), {"nothing"});
-  fails(2, "check", {"DATASET"});
+  fails(2, "check", {"RECORDING"});
 }
 
 TEST_F(Check, NothingIsWrongInRealRecordings) {
