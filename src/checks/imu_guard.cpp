@@ -13,7 +13,7 @@ ImuFault ImuGuard::check(const ImuSample& sample) {
   count_repeats(x);
   last_ = x;
   if (outside) return ImuFault::kOutOfRange;
-  if (x.isZero(0.0)) return ImuFault::kFrozen;
+  if (x.isZero(0.0) && !largest_.isZero(0.0)) return ImuFault::kFrozen;
   if (seen_ > kKnown && is_frozen()) return ImuFault::kFrozen;
   seen_ += 1.0;
   for (int i = 0; i < 6; ++i) {

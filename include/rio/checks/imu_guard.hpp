@@ -9,7 +9,7 @@
 // (E1) prod r_i^n_i < 1e-9, over all six axes if all repeat, over the three of one sensor if the
 //      other one varies, or for one axis if another of the same sensor does: at rest coarse sensors
 //      may repeat all their values
-// All six zero: a read of the driver that failed.
+// All six zero, once some were not: a read of the driver that failed.
 #pragma once
 
 #include <cstdint>
