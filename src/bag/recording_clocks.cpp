@@ -210,8 +210,7 @@ class OneClock {
     for (const Shifts::Jump& jump : how.shifts.jumps) {
       sources_->note(
           "{}: the header clock {}; later stamps are moved by {:+.6f} s: it goes on as the "
-          "messages "
-          "were received",
+          "messages were received",
           source->role.name,
           jump.message == 0 ? "begins as another one"
                             : fmt::format("jumps by {:+.3f} s at message {}", to_seconds(jump.by),

@@ -188,8 +188,7 @@ void propose_edits_of_one_radar(std::vector<Findings>* radars) {
       if (!is_for_points(f.change) || std::ranges::all_of(said, has_it)) continue;
       f.change = fmt::format(
           "if it is radar{0} alone: `rio convert`, then edit the files of radar{0} as `rio check` "
-          "of "
-          "the folder says; for all radars {1}",
+          "of the folder says; for all radars {1}",
           r, f.change);
     }
   }

@@ -74,43 +74,67 @@ std::optional<Bridged> cost_of_gaps(const std::vector<ImuSample>& samples, doubl
   return out;
 }
 
+/// What the stamps are like.
+struct StampCounts {
+  std::size_t repeated = 0;
+  std::size_t twice = 0;  ///< of these, with the values, too
+  Strays stray;
+  double usual = 0.0;    ///< in longer intervals samples are lost [s]
+  double period = 0.0;   ///< [s]
+  double mean = 0.0;     ///< interval [s]
+  double longest = 0.0;  ///< interval [s]
+  double lost = 0.0;     ///< samples
+  double batches = 0.0;  ///< if samples come together
+};
+
+/// @param known period, if it is configured [s]
+StampCounts count_stamps(const Usable& samples, std::optional<double> known) {
+  const std::vector<ImuSample>& all = samples.all();
+  const std::vector<ImuSample>& good = samples.good();
+  StampCounts out;
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    if (all[i].time != all[i - 1].time) continue;
+    ++out.repeated;
+    out.twice += same_values(all[i], all[i - 1]) ? 1U : 0U;
+  }
+  out.stray = strays(all);
+  std::vector<double> periods;
+  periods.reserve(good.size());
+  for (std::size_t i = 1; i < good.size(); ++i) {
+    periods.push_back(to_seconds(good[i].time - good[i - 1].time));
+  }
+  out.usual = longest_usual(periods, known);
+  out.period = usual_period(periods, out.usual);
+  out.mean = to_seconds(good.back().time - good.front().time) / static_cast<double>(periods.size());
+  out.longest = *std::max_element(periods.begin(), periods.end());
+  out.batches = 1.0;
+  for (const double p : periods) {
+    out.lost += p <= out.usual ? 0.0 : std::max(0.0, std::round(p / out.period) - 1.0);
+    out.batches += p > out.mean ? 1.0 : 0.0;
+  }
+  return out;
+}
+
 }  // namespace
 
 Finding check_stamps(const Usable& samples, const io::ImuInfo& info, Source source,
                      const std::filesystem::path& csv, double* unit) {
   const std::vector<ImuSample>& all = samples.all();
   const std::vector<ImuSample>& good = samples.good();
-  int repeated = 0;
-  int twice = 0;  // with its values, too
-  for (std::size_t i = 1; i < all.size(); ++i) {
-    if (all[i].time != all[i - 1].time) continue;
-    ++repeated;
-    twice += same_values(all[i], all[i - 1]) ? 1 : 0;
-  }
-  const Strays stray = strays(all);
-  std::vector<double> periods;
-  periods.reserve(good.size());
-  for (std::size_t i = 1; i < good.size(); ++i) {
-    periods.push_back(to_seconds(good[i].time - good[i - 1].time));
-  }
   const bool known = source == Source::kFolder && info.rate_hz.has_value();
-  const double usual =
-      longest_usual(periods, known ? std::optional(1.0 / *info.rate_hz) : std::nullopt);
-  const double period = usual_period(periods, usual);
-  const double longest = *std::max_element(periods.begin(), periods.end());
-  double lost = 0.0;
-  for (const double p : periods) {
-    lost += p <= usual ? 0.0 : std::max(0.0, std::round(p / period) - 1.0);
-  }
-  const double share = lost / (lost + static_cast<double>(good.size()));
+  const StampCounts n =
+      count_stamps(samples, known ? std::optional(1.0 / *info.rate_hz) : std::nullopt);
+  const double period = n.period;
+  const Strays& stray = n.stray;
+  const double share = n.lost / (n.lost + static_cast<double>(good.size()));
   Finding out{
       Verdict::kOk, "imu stamps",
       fmt::format("{} samples in {:.1f} s, one each {:.2f} ms ({:.0f} Hz), {:.1f} % lost, "
                   "longest gap {:.0f} ms, {} repeated, {} out of order",
                   all.size(), to_seconds(good.back().time - good.front().time), 1e3 * period,
-                  1.0 / period, 100.0 * share, 1e3 * longest, repeated, stray.count)};
-  const std::optional<Bridged> bridged = cost_of_gaps(good, period, usual);
-  if (lost > 0.0 && bridged) {
+                  1.0 / period, 100.0 * share, 1e3 * n.longest, n.repeated, stray.count)};
+  const std::optional<Bridged> bridged = cost_of_gaps(good, period, n.usual);
+  if (n.lost > 0.0 && bridged) {
     out.text += fmt::format(", bridged at {:.2f} m/s for the longest and {:.1f} deg for all",
                             bridged->velocity, bridged->angle / kDegree);
   }
@@ -125,14 +149,11 @@ Finding check_stamps(const Usable& samples, const io::ImuInfo& info, Source sour
   const double configured =
       source == Source::kBag ? 1.0 / period : info.rate_hz.value_or(1.0 / period);
   const Jump jump = jumps_back(all);
-  const double mean =
-      to_seconds(good.back().time - good.front().time) / static_cast<double>(periods.size());
   constexpr double kBatch = 3.0;  // mean over usual interval, where samples come together
-  if (period < kFastest && mean > kBatch * period) {
-    const auto batches = std::ranges::count_if(periods, [=](double p) { return p > mean; }) + 1;
+  if (period < kFastest && n.mean > kBatch * period) {
     out.verdict = Verdict::kWrong;
     out.text += fmt::format(": they come in batches of {:.0f}, stamped when they arrived",
-                            static_cast<double>(good.size()) / static_cast<double>(batches));
+                            static_cast<double>(good.size()) / n.batches);
     out.change = (source == Source::kBag ? "--imu-clock receive, or " : "") +
                  std::string("stamp each sample by itself in its driver");
   } else if (period < kFastest) {
@@ -147,12 +168,12 @@ Finding check_stamps(const Usable& samples, const io::ImuInfo& info, Source sour
     out.verdict = Verdict::kDoubtful;
     out.text += jump_text(jump);
     out.change = kSplitThere;
-  } else if (static_cast<double>(repeated) + static_cast<double>(stray.count) >
+  } else if (static_cast<double>(n.repeated) + static_cast<double>(stray.count) >
              0.01 * static_cast<double>(all.size())) {
     out.verdict = Verdict::kDoubtful;
     out.change = "look for two publishers of one topic, or samples stamped on arrival";
-    if (2 * twice > repeated) {
-      out.text += fmt::format(", {} of them with the values of the one before", twice);
+    if (2 * n.twice > n.repeated) {
+      out.text += fmt::format(", {} of them with the values of the one before", n.twice);
       out.change = "look for two publishers of one topic, or two recordings of it joined";
     }
   } else if (!bridged || bridged->velocity > kMostVelocity || bridged->angle > kMostTilt) {
