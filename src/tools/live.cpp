@@ -273,8 +273,8 @@ void live(const LiveArguments& arguments) {
                                      arguments.radar_cfg};
   for (const std::string& port : ports) inputs.push_back(Port(port, kImuBaud).path());
   std::vector<std::string> outputs = arguments.record;
-  outputs.insert(outputs.end(), {arguments.out, arguments.states, arguments.json_lines,
-                                 arguments.view.report, arguments.view.mcap});
+  for (std::string& file : files_of(arguments.view)) outputs.push_back(std::move(file));
+  outputs.insert(outputs.end(), {arguments.out, arguments.states, arguments.json_lines});
   protect_inputs(inputs, outputs);
   catch_stop_signals();
   LiveRun run(arguments);

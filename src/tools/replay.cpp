@@ -30,6 +30,7 @@
 #include "rio/io/trajectory.hpp"
 #include "rio/models/aids.hpp"
 #include "rio/rio.hpp"
+#include "stop_signal.hpp"
 
 namespace rio::tools {
 
@@ -104,6 +105,7 @@ class Replay {
     const bool shows_lines = outputs_->prints_lines() && isatty(STDOUT_FILENO) != 0;
     Progress progress(!shows_lines && !arguments_.silent);
     while (const ImuSample* sample = feed_.imu()) {
+      if (stop_requested != 0) return finish();
       pace(sample->time);
       progress.show(imu_, outline_.imu_samples);
       const std::optional<Time> due = waiting_ ? std::nullopt : feed_.due();
@@ -134,7 +136,10 @@ class Replay {
   /// Of the recording, for those who watch it.
   void pace(Time time) {
     if (arguments_.view.port.empty()) return;
-    if (!paced_from_) paced_from_ = live::HostClock::real() - time;
+    if (!paced_from_) {
+      paced_from_ = live::HostClock::real() - time;
+      catch_stop_signals();
+    }
     std::this_thread::sleep_for(*paced_from_ + time - live::HostClock::real());
   }
 
@@ -257,8 +262,11 @@ class Replay {
 }  // namespace
 
 Replayed run_replay(const ReplayArguments& arguments, ViewOutputs* view, const OnScan& on_scan) {
-  protect_inputs({arguments.dataset, arguments.estimator.config, arguments.init, arguments.how.map},
-                 {arguments.out, arguments.states, arguments.view.report, arguments.view.mcap});
+  std::vector<std::string> outputs = files_of(arguments.view);
+  outputs.insert(outputs.end(), {arguments.out, arguments.states});
+  protect_inputs({arguments.dataset, arguments.estimator.config, arguments.init, arguments.how.map,
+                  arguments.how.sensors},
+                 outputs);
   const OpenRecording recording =
       open_any(arguments.dataset, arguments.how, arguments.init == "groundtruth");
   std::vector<std::string> notes = recording.sensors.notes;
@@ -289,11 +297,11 @@ void replay(const ReplayArguments& arguments) {
   ViewOutputs view(arguments.view);
   const Replayed replayed = run_replay(arguments, &view);
   const ReplaySummary& summary = replayed.summary;
-  view.close(summary);
   if (summary.data && worst(*summary.data) == check::Verdict::kWrong) {
     fmt::print(stderr, "note: something is wrong with the recording; see `rio check`\n");
   }
   fmt::print("{}", arguments.json ? summary.json() + "\n" : summary.text());
+  view.close(summary);
   if (summary.health.lost()) {
     throw WrongResult(fmt::format(
         "the estimate is lost: {}; fastest {:.3g} m/s, farthest {:.3g} m; check units, axes, "

@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
+#include <stdexcept>
 #include <utility>
 
 #include "view/calibration_names.hpp"
@@ -57,8 +59,24 @@ void write_report(const view::Page& page, const std::string& path) {
   }
 }
 
-ViewOutputs::ViewOutputs(const ViewArguments& arguments) : report_path_(arguments.report) {
+std::vector<std::string> files_of(const ViewArguments& arguments) {
+  std::vector<std::string> files;
+  if (!arguments.report.empty()) files.push_back(arguments.report);
+  if (!arguments.mcap.empty()) files.push_back(arguments.mcap);
+  if (arguments.log.empty()) return files;
+  for (const char* name : view::kLogFiles) {
+    files.push_back((std::filesystem::path(arguments.log) / name).string());
+  }
+  return files;
+}
+
+void ViewOutputs::open() {
+  const ViewArguments& arguments = arguments_;
   if (!arguments.report.empty()) {
+    const std::filesystem::path folder = std::filesystem::path(arguments.report).parent_path();
+    if (!folder.empty() && !std::filesystem::is_directory(folder)) {
+      throw std::runtime_error(arguments.report + ": cannot be written: there is no such folder");
+    }
     auto report = std::make_unique<view::ReportBuilder>();
     report_ = report.get();
     add_sink(std::move(report));
@@ -80,11 +98,12 @@ ViewOutputs::ViewOutputs(const ViewArguments& arguments) : report_path_(argument
 }
 
 void ViewOutputs::begin(const view::RunStart& start) {
+  open();
   for (const auto& sink : sinks_) sink->begin(start);
 }
 
 void ViewOutputs::add(const Odometry& odometry) {
-  if (!any()) return;
+  if (sinks_.empty()) return;
   const std::vector<view::Event>& events = watch_.look(odometry);
   for (const auto& sink : sinks_) sink->add(odometry, events);
 }
@@ -97,7 +116,7 @@ void ViewOutputs::close(const ReplaySummary& summary) {
   }
   if (report_ == nullptr) return;
   fill_card(summary, &report_->page());
-  write_report(report_->page(), report_path_);
+  write_report(report_->page(), arguments_.report);
 }
 
 }  // namespace rio::tools

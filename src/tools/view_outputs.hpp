@@ -23,12 +23,16 @@ namespace rio::tools {
 /// Writes the page; what is missing in it is noted on stderr.
 void write_report(const view::Page& page, const std::string& path);
 
+/// The files that a run with these arguments writes.
+std::vector<std::string> files_of(const ViewArguments& arguments);
+
 class ViewOutputs : public live::Listener {
  public:
-  /// Throws std::runtime_error if something cannot be written.
-  explicit ViewOutputs(const ViewArguments& arguments);
+  explicit ViewOutputs(const ViewArguments& arguments) : arguments_(arguments) {}
 
-  bool any() const { return !sinks_.empty(); }
+  bool any() const { return !files_of(arguments_).empty() || !arguments_.port.empty(); }
+  /// Opens the files: what a run that fails before has written earlier is kept.
+  /// @throws std::runtime_error if something cannot be written
   void begin(const view::RunStart& start);
   /// After a scan was processed.
   void add(const Odometry& odometry);
@@ -39,9 +43,10 @@ class ViewOutputs : public live::Listener {
   void close(const ReplaySummary& summary);
 
  private:
+  void open();
   void add_sink(std::unique_ptr<view::RunSink> sink) { sinks_.push_back(std::move(sink)); }
 
-  std::string report_path_;
+  ViewArguments arguments_;
   view::ReportBuilder* report_ = nullptr;  ///< among the sinks
   view::LiveServer* server_ = nullptr;     ///< of a sink
   std::vector<std::unique_ptr<view::RunSink>> sinks_;

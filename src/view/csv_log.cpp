@@ -38,13 +38,13 @@ constexpr const char* kGateResults[] = {"used", "gated", "out of domain"};  // G
 }  // namespace
 
 CsvLog::CsvLog(const std::filesystem::path& folder)
-    : scans_(made(folder) / "scans.csv"),
-      innovations_(folder / "innovations.csv"),
-      points_(folder / "points.csv"),
-      landmarks_(folder / "landmarks.csv"),
-      calibration_(folder / "calibration.csv"),
-      health_(folder / "health.csv"),
-      events_(folder / "events.csv") {
+    : scans_(made(folder) / kLogFiles[0]),
+      innovations_(folder / kLogFiles[1]),
+      points_(folder / kLogFiles[2]),
+      landmarks_(folder / kLogFiles[3]),
+      calibration_(folder / kLogFiles[4]),
+      health_(folder / kLogFiles[5]),
+      events_(folder / kLogFiles[6]) {
   const std::string head = "t_ns,stamp_ns,radar,";
   scans_.write(
       head +

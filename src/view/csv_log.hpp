@@ -12,12 +12,17 @@
 //   events.csv       what happened
 #pragma once
 
+#include <array>
 #include <filesystem>
 
 #include "rio/io/text_file.hpp"
 #include "view/run.hpp"
 
 namespace rio::view {
+
+inline constexpr std::array kLogFiles = {"scans.csv",     "innovations.csv", "points.csv",
+                                         "landmarks.csv", "calibration.csv", "health.csv",
+                                         "events.csv"};
 
 class CsvLog : public RunSink {
  public:

@@ -73,12 +73,16 @@ TEST_F(Tool, InputsAreNotReplaced) {
   const Parts refused = {"would replace an input"};
   for (const char* input : {"imu0/data.csv", "radar0/sensor.yaml", "scenario.yaml"}) {
     const auto before = fs::file_size(flight / input);
-    for (const char* option : {" --out ", " --states "}) {
+    for (const char* option : {" --out ", " --states ", " --mcap ", " --report "}) {
       fails(1, replay + option + (flight / input).string(), refused);
     }
     EXPECT_EQ(fs::file_size(flight / input), before);
   }
   std::ofstream(file("own.cfg")) << "preset: default\n";
+  fs::create_directory(file("log"));
+  std::ofstream(file("log/events.csv")) << "#\n";
+  fails(1, replay + " --init " + file("log/events.csv") + " --log " + file("log"), refused);
+  EXPECT_EQ(fs::file_size(file("log/events.csv")), 2U);
   fs::create_symlink(file("own.cfg"), file("own.link"));
   fails(1, replay + " --config " + file("own.cfg") + " --out " + file("own.link"), refused);
   const std::string tum = file("own.tum");
@@ -94,6 +98,9 @@ TEST_F(Tool, AnOldResultStaysUntilThereIsANewOne) {
   std::ofstream(tum) << "# kept\n";
   fails(1, "replay " + flight_ + " --out " + tum + " --states /nowhere/states.csv",
         {"/nowhere/states.csv: cannot be written"});
+  fails(1, "replay /nowhere --mcap " + tum, {"/nowhere"});
+  fails(1, "replay " + flight_ + " --report /nowhere/page.html --mcap " + tum,
+        {"/nowhere/page.html: cannot be written"});
   EXPECT_EQ(fs::file_size(tum), 7U);
 }
 
