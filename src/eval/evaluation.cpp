@@ -31,9 +31,12 @@ Evaluation evaluate(const Trajectory& truth, const Trajectory& estimate,
       associate(truth, estimate, options.max_difference, options.max_gap);
   const std::vector<PosePair>& pairs = association.pairs;
   if (pairs.empty()) {
-    throw std::runtime_error(
-        "truth and estimate do not overlap in time: no pose of the estimate has"
-        " a true pose at its stamp");
+    const bool overlap =
+        truth.front().time <= estimate.back().time && estimate.front().time <= truth.back().time;
+    throw std::runtime_error(std::string("truth and estimate ") +
+                             (overlap ? "are too sparse" : "do not overlap in time") +
+                             ": no pose of the estimate has a true pose at its stamp" +
+                             (overlap ? "; --max-diff allows more difference" : ""));
   }
   if (pairs.size() < 2) throw std::runtime_error("only 1 pose of the estimate has a true pose");
 
@@ -71,7 +74,9 @@ StampOffset best_stamp_offset(const Trajectory& all_true, const Trajectory& all_
   if (all_true.empty() || all_estimates.empty()) return {};
   const Time duration = all_estimates.back().time - all_estimates.front().time;
   const Trajectory truth = thinned(all_true, milliseconds(40));  // as good to interpolate
-  const Trajectory estimate = thinned(all_estimates, duration / 1000);
+  const bool at_estimates = is_dense(all_true, options.max_gap);
+  const Trajectory estimate =
+      thinned(all_estimates, at_estimates ? duration / 1000 : Time(milliseconds(40)));
   const auto rmse = [&](Time offset) {
     Trajectory moved = estimate;
     for (StampedPose& pose : moved) pose.time -= offset;

@@ -91,14 +91,15 @@ Association associate_interpolated(const Trajectory& truth, const Trajectory& es
   return result;
 }
 
+bool is_dense(const Trajectory& poses, Time max_gap) {
+  const Time interval = median_interval(poses);
+  return interval > Time(0) && 10 * interval <= 7 * max_gap;  // jitter is no gap
+}
+
 Association associate(const Trajectory& truth, const Trajectory& estimate, Time max_difference,
                       Time max_gap) {
-  const auto is_dense = [max_gap](const Trajectory& poses) {
-    const Time interval = median_interval(poses);
-    return interval > Time(0) && 3 * interval <= 2 * max_gap;  // jitter is no gap
-  };
-  if (is_dense(truth)) return associate_interpolated(truth, estimate, max_gap);
-  if (!is_dense(estimate)) return associate_nearest(truth, estimate, max_difference);
+  if (is_dense(truth, max_gap)) return associate_interpolated(truth, estimate, max_gap);
+  if (!is_dense(estimate, max_gap)) return associate_nearest(truth, estimate, max_difference);
   Association at_truth = associate_interpolated(estimate, truth, max_gap);
   for (PosePair& pair : at_truth.pairs) std::swap(pair.truth, pair.estimate);
   at_truth.estimates = sorted_without_duplicates(estimate).size();

@@ -259,6 +259,28 @@ TEST(StampOffset, IsThatOfTheClockAndNotNeededWithoutOne) {
   EXPECT_FALSE(best_stamp_offset({truth[0]}, estimate).is_needed());
 }
 
+TEST(StampOffset, IsNotSeenInATruthOfFiveHertz) {
+  const auto flown = [](double rate, double noise) {
+    Trajectory poses;
+    for (int k = 0; k < 120 * rate; ++k) {
+      const double t = k / rate;
+      poses.push_back(
+          {from_seconds(t),
+           {10.0 * std::cos(0.1 * t), 2.0 * std::sin(0.2 * t), noise * std::sin(5.0 * t)},
+           Quaternion::Identity()});
+    }
+    return poses;
+  };
+  const Trajectory estimate = flown(15.0, 0.05);
+  EXPECT_TRUE(is_dense(estimate));
+  const StampOffset found = best_stamp_offset(flown(5.0, 0.0), estimate);
+  EXPECT_NEAR(found.rmse_without, 0.05 / std::sqrt(2.0), 0.002);
+  EXPECT_FALSE(found.is_needed()) << found.rmse;
+  Trajectory between = flown(5.0, 0.0);
+  for (StampedPose& pose : between) pose.time += milliseconds(100);
+  EXPECT_PRED2(test::contains, message(flown(5.0, 0.0), between), "too sparse");
+}
+
 TEST(Evaluate, SaysWhyItCannot) {
   const Trajectory truth = circle();
   const Trajectory estimate = estimate_of(truth, {});

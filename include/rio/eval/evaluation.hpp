@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 #include "rio/eval/alignment.hpp"
@@ -52,7 +53,7 @@ struct StampOffset {
   double rmse_without = kNan;  ///< [m]
 
   /// Beyond what drift and noise make of stamps that are right.
-  bool is_needed() const { return rmse < 0.5 * rmse_without; }
+  bool is_needed() const { return std::isfinite(rmse_without) && rmse < 0.5 * rmse_without; }
 };
 
 /// The offset within two seconds with the least error, from sorted poses; zero if fewer than two

@@ -47,9 +47,11 @@ Association associate_nearest(const Trajectory& truth, const Trajectory& estimat
 Association associate_interpolated(const Trajectory& truth, const Trajectory& estimate,
                                    Time max_gap = std::chrono::milliseconds(100));
 
-/// Interpolates the truth at the stamps of the estimate if it is dense (median interval at most two
-/// thirds of `max_gap`), else the estimate at those of the truth if that is dense, as of a total
-/// station at 5 Hz; else takes the nearest.
+/// Interpolated, few poses fall into gaps: the median interval is at most 70 % of `max_gap`.
+bool is_dense(const Trajectory& poses, Time max_gap = std::chrono::milliseconds(100));
+
+/// Interpolates the truth at the stamps of the estimate if it is_dense(), else the estimate at
+/// those of the truth if that is dense, as of a total station at 5 Hz; else takes the nearest.
 Association associate(const Trajectory& truth, const Trajectory& estimate,
                       Time max_difference = std::chrono::milliseconds(10),
                       Time max_gap = std::chrono::milliseconds(100));
