@@ -79,7 +79,6 @@ std::vector<io::Dataset> read_all(const CalibrateArguments& arguments) {
     take_out_clock_steps(options, &dataset);
     print_notes(dataset.notes);
     print_wrong(findings_of(name, dataset, options));
-    if (!dataset.damage.empty()) print_notes({dataset.damage + "; what stands before is used"});
   }
   return datasets;
 }
@@ -117,8 +116,9 @@ void write_files(const CalibrateArguments& arguments, const io::Dataset& first,
   const calibrate::SensorNoise& noise = report->noise;
   const bool gyro = exceeds_configured(noise.gyro, report->configured.imu.gyro_noise_density);
   const bool accel = exceeds_configured(noise.accel, report->configured.imu.accel_noise_density);
-  if (!gyro && !accel) return;
   io::ImuInfo imu = first.imu_info;
+  const bool configured = imu.gyro_noise_density || imu.accel_noise_density;
+  if (!gyro && !accel && !configured) return;  // the folder takes the place of the recording's
   if (gyro) imu.gyro_noise_density = noise.gyro.value;
   if (accel) imu.accel_noise_density = noise.accel.value;
   io::write_imu_info(root, imu, comment);
@@ -154,6 +154,7 @@ void calibrate(const CalibrateArguments& arguments) {
   report.notes.insert(report.notes.end(), report.noise.notes.begin(), report.noise.notes.end());
   if (!arguments.out.empty()) write_files(arguments, datasets.front(), &report);
   fmt::print("{}", arguments.json ? report.json() + "\n" : report.text());
+  for (const io::Dataset& dataset : datasets) throw_damage(dataset.damage);
 }
 
 }  // namespace rio::tools

@@ -12,6 +12,7 @@
 #include "commands.hpp"
 #include "evaluate.hpp"
 #include "outputs.hpp"
+#include "recording.hpp"
 #include "replay.hpp"
 #include "rio/bag/message_stream.hpp"
 #include "rio/eval/alignment.hpp"
@@ -29,6 +30,7 @@ struct Run {
   std::string name;
   eval::Trajectory poses;
   std::string verdict;  ///< of a replay
+  std::string damage;   ///< of its recording
 };
 
 /// "KEY=1,2" as "KEY=1" and "KEY=2".
@@ -38,10 +40,14 @@ std::vector<std::string> settings_of(const std::string& vary) {
     throw std::runtime_error("--vary " + vary + ": is not KEY=VALUE,VALUE,...");
   }
   std::vector<std::string> settings;
-  for (std::size_t at = equals; at != std::string::npos;) {
-    const std::size_t next = vary.find(',', at + 1);
-    settings.push_back(vary.substr(0, equals) + "=" + vary.substr(at + 1, next - at - 1));
-    at = next;
+  int depth = 0;  // of brackets: the commas in them are of one value
+  std::size_t begin = equals + 1;
+  for (std::size_t at = begin; at <= vary.size(); ++at) {
+    const char c = at < vary.size() ? vary[at] : ',';
+    depth += c == '[' ? 1 : c == ']' ? -1 : 0;
+    if (c != ',' || (depth > 0 && at < vary.size())) continue;
+    settings.push_back(vary.substr(0, equals) + "=" + vary.substr(begin, at - begin));
+    begin = at + 1;
   }
   return settings;
 }
@@ -78,7 +84,7 @@ Run replay_of(const CompareArguments& arguments, const std::string& recording,
   one.estimator = estimator;
   one.init = arguments.init;
   one.findings = false;
-  Run run{name, {}, {}};
+  Run run{name, {}, {}, {}};
   ViewOutputs none({});
   const Replayed replayed = run_replay(one, &none, [&run](const Odometry& odometry) {
     const NavState& x = odometry.at_scan();
@@ -87,7 +93,7 @@ Run replay_of(const CompareArguments& arguments, const std::string& recording,
     }
   });
   run.verdict = replayed.summary.health.verdict();
-  if (!replayed.damage.empty()) print_notes({replayed.damage});
+  run.damage = replayed.damage;
   if (run.poses.empty()) throw std::runtime_error("no scan was used");
   return run;
 }
@@ -104,11 +110,15 @@ std::vector<Run> runs_of(const CompareArguments& arguments) {
     std::vector<std::string> ignored;
     (void)io::flown_options(variant.second, {}, {}, &ignored);
   }
+  const bool any = std::any_of(arguments.runs.begin(), arguments.runs.end(), is_recording);
+  if (!any && (variants.size() > 1 || !variants.front().first.empty())) {
+    throw std::runtime_error("presets, back-ends and settings need a recording among the runs");
+  }
   const std::vector<std::string> labels = default_labels(arguments.runs);
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const std::string& path = arguments.runs[i];
     if (!is_recording(path)) {
-      runs.push_back({labels[i], io::read_trajectory(path), {}});
+      runs.push_back({labels[i], io::read_trajectory(path), {}, {}});
       continue;
     }
     for (const auto& [variant, estimator] : variants) {
@@ -282,12 +292,15 @@ void compare(const CompareArguments& arguments) {
   rows.front().emplace_back("verdict");
   for (std::size_t i = 0; i < runs.size(); ++i) rows[i + 1].push_back(runs[i].verdict);
   print_table(rows);
-  if (arguments.report.empty()) return;
-  view::Page page = page_of(runs, truth);
-  page.title = "Comparison of " + std::to_string(runs.size()) + " runs";
-  page.subtitle = truth.empty() ? "no truth is known" : "errors with alignment: " + arguments.align;
-  page.tables.push_back({"Figures", rows});
-  write_report(page, arguments.report);
+  if (!arguments.report.empty()) {
+    view::Page page = page_of(runs, truth);
+    page.title = "Comparison of " + std::to_string(runs.size()) + " runs";
+    page.subtitle =
+        truth.empty() ? "no truth is known" : "errors with alignment: " + arguments.align;
+    page.tables.push_back({"Figures", rows});
+    write_report(page, arguments.report);
+  }
+  for (const Run& run : runs) throw_damage(run.damage);
 }
 
 }  // namespace rio::tools

@@ -231,10 +231,11 @@ void evaluate(const EvaluateArguments& arguments) {
   const double offset = said.empty() ? 0.0 : io::parse_quantity(said, "s");
   for (eval::StampedPose& pose : truth) pose.time += from_seconds(offset);
   std::vector<NamedEvaluation> all;
-  for (const std::string& file : arguments.estimates) {
+  const std::vector<std::string> labels = default_labels(arguments.estimates);
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const std::string& file = arguments.estimates[i];
     const eval::Trajectory estimate = io::read_trajectory(file);
-    all.push_back({std::filesystem::path(file).stem().string(),
-                   evaluate_poses(arguments, truth, estimate, file)});
+    all.push_back({labels[i], evaluate_poses(arguments, truth, estimate, file)});
     const eval::StampOffset best = eval::best_stamp_offset(truth, estimate, options_of(arguments));
     if (!best.is_needed()) continue;
     print_notes(
@@ -243,7 +244,14 @@ void evaluate(const EvaluateArguments& arguments) {
                      "position (yaw aligned) is {:.3f} m instead of {:.3f}",
                      file, offset + to_seconds(best.offset), best.rmse, best.rmse_without)});
   }
-  if (all.size() > 1 && !arguments.json) return print_table(comparison_table(all));
+  if (all.size() > 1 && !arguments.json) {
+    TextTable rows = comparison_table(all);
+    for (std::size_t i = 0; i < rows.size() && !std::isnan(arguments.mae_at); ++i) {
+      rows[i].push_back(i == 0 ? fmt::format("norm of MAE up to {:g} m [m]", arguments.mae_at)
+                               : cell(all[i - 1].second.norm_of_mae_at, 0, 3));
+    }
+    return print_table(rows);
+  }
   for (std::size_t i = 0; i < all.size(); ++i) {
     const std::string& file = arguments.estimates[i];
     if (arguments.json) {

@@ -236,9 +236,9 @@ void convert(const ConvertArguments& arguments) {
 
 void print_options(const OptionsArguments& arguments) {
   if (arguments.compare) return fmt::print("{}", io::presets_as_table());
-  const std::string& preset = arguments.estimator.preset;
   if (arguments.dataset.empty()) {
-    return fmt::print("{}", io::option_file(preset.empty() ? "default" : preset));
+    const std::string& name = arguments.estimator.preset;
+    return fmt::print("{}", io::option_file(name.empty() ? "default" : name));
   }
   const OpenRecording recording = open_any(arguments.dataset, arguments.how);
   print_notes(recording.sensors.notes);
@@ -246,7 +246,8 @@ void print_options(const OptionsArguments& arguments) {
   if (options.radars() > 1) {
     fmt::print("# Of radar0; that of the others is in their sensor.yaml, with these defaults.\n");
   }
-  fmt::print("{}", io::options_as_yaml(options));
+  const std::string preset = io::preset_of(arguments.estimator);
+  fmt::print("preset: {}\n{}", preset.empty() ? "default" : preset, io::options_as_yaml(options));
 }
 
 }  // namespace rio::tools

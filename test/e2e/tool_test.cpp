@@ -219,7 +219,7 @@ TEST_F(Tool, LibraryLoadsTheOptionsThatAReplayFliesWith) {
   const std::string loaded = files::as_yaml(files::load(sources, &notes));
   rio("options --from " + flight_ + " --config " + file("some.yaml") +
           " --set frontend.ransac_seed=4 --set \"radar.fov_azimuth=100 deg\"",
-      {loaded});
+      {"preset: published-ekf\n", loaded});
   ASSERT_EQ(notes.size(), 1u);
   EXPECT_NE(notes[0].find("radar.sigma_range = 0.2 (0.03)"), std::string::npos) << notes[0];
   EXPECT_NE(loaded, files::as_yaml({}));

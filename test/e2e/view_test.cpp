@@ -243,6 +243,9 @@ TEST_F(Tool, ComparesVariantsAndOtherEstimates) {
   const std::string starts = "compare " + flight_ + " --init static --vary start.duration=";
   rio(starts + "600,2", {"start.duration=600 is left out: no start", "| start.duration=2 |"});
   fails(1, starts + "600", {"rio: no start: "});
+  rio("compare " + flight_ + " --vary 'radar.T_BS.translation=[0,0,0],[0.1,0,0]'",
+      {"| radar.T_BS.translation=[0,0,0] |", "| radar.T_BS.translation=[0.1,0,0] |"});
+  fails(1, "compare " + tum + " --preset default", {"need a recording among the runs"});
   fails(1, "compare " + tum + " " + file("strange.tum"), {"no time in common: other is from "});
   fails(1, "plot " + tum + " --out x.png", {"rsvg-convert"});
 }
