@@ -247,7 +247,8 @@ void print_options(const OptionsArguments& arguments) {
     fmt::print("# Of radar0; that of the others is in their sensor.yaml, with these defaults.\n");
   }
   const std::string preset = io::preset_of(arguments.estimator);
-  fmt::print("preset: {}\n{}", preset.empty() ? "default" : preset, io::options_as_yaml(options));
+  if (!preset.empty() && preset != "default") fmt::print("preset: {}\n", preset);
+  fmt::print("{}", io::options_as_yaml(options));
 }
 
 }  // namespace rio::tools
