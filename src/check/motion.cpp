@@ -47,10 +47,10 @@ struct Sums {
   Vector3d q = Vector3d::Zero();
   Vector3d tq = Vector3d::Zero();
   Matrix3d yy = Matrix3d::Zero();
-  Matrix3d Cq_y = Matrix3d::Zero();  ///< column-wise the first nine of G^T q
-  Vector3d Lq = Vector3d::Zero();    ///< the others
-  Matrix3d rate_y = Matrix3d::Zero();
-  Matrix3d rates = Matrix3d::Zero();
+  Matrix3d Cq_y = Matrix3d::Zero();    ///< column-wise the first nine of G^T q
+  Vector3d Lq = Vector3d::Zero();      ///< the others
+  Matrix3d rate_y = Matrix3d::Zero();  ///< of rate and y
+  Matrix3d rates = Matrix3d::Zero();   ///< of rate and rate
   Map12 G = Map12::Zero();
   Map12 tG = Map12::Zero();
 
@@ -116,9 +116,10 @@ Agreement WithLever::without_lever(double sigma) const {
   if (windows == 0) return out;
   // as in (E6) the scans of a window count as one
   const double prior = kModels * kModels / (sigma * sigma) * scans / static_cast<double>(windows);
-  const SmallCholesky<3> root(A.bottomRightCorner<3, 3>() + prior * Matrix3d::Identity());
-  const Eigen::Matrix<double, 3, 9> gain = root.inverse() * A.bottomLeftCorner<3, 9>();
-  const Vector3d p = root.inverse() * b.tail<3>();
+  const Matrix3d inverse =
+      SmallCholesky<3>(A.bottomRightCorner<3, 3>() + prior * Matrix3d::Identity()).inverse();
+  const Eigen::Matrix<double, 3, 9> gain = inverse * A.bottomLeftCorner<3, 9>();
+  const Vector3d p = inverse * b.tail<3>();
   out.A = A.topLeftCorner<9, 9>() - gain.transpose() * A.bottomLeftCorner<3, 9>();
   out.b = b.head<9>() - gain.transpose() * b.tail<3>();
   out.c = c - p.dot(b.tail<3>());

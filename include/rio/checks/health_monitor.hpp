@@ -71,13 +71,12 @@ class HealthMonitor {
   static constexpr double kFewRows = 3.0;        // a velocity has three components
   static constexpr double kOutliers = 0.7;       // above that a consensus is unreliable
   static constexpr double kGated = 0.3;          // nominally a gate rejects one in a hundred
-  static constexpr double kGatedTime =
-      2.5;  // at four times that the estimate, not the scans, is wrong [s]
-  static constexpr double kInnovations = 2.0;   // mean NIS of a row
-  static constexpr double kVelocityTime = 0.5;  // contradicted [s]
-  static constexpr double kTiltTime = 0.75;     // same: a person may pass by [s]
-  static constexpr double kLostTime = 0.3;      // of the last second [s]
-  static constexpr double kPosition = 1.0;      // [m]
+  static constexpr double kGatedTime = 2.5;      // four times that: the estimate is wrong [s]
+  static constexpr double kInnovations = 2.0;    // mean NIS of a row
+  static constexpr double kVelocityTime = 0.5;   // contradicted [s]
+  static constexpr double kTiltTime = 0.75;      // same: a person may pass by [s]
+  static constexpr double kLostTime = 0.3;       // of the last second [s]
+  static constexpr double kPosition = 1.0;       // [m]
   static constexpr double kPositionShare = 0.05;
   static constexpr double kVelocity = 0.5;  // [m/s]
   static constexpr double kHeading = 0.17;  // [rad]
