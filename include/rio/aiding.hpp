@@ -31,7 +31,8 @@ struct AuxiliaryEstimate {
   Eigen::Matrix<double, Block::kDof, Block::kDof> covariance;
 };
 
-/// At the last scan; empty if the state was not declared, or is delayed and not known yet.
+/// At the last scan; empty before the start, and if the state was not declared, or is delayed and
+/// not known yet.
 /// @param index among those of the kind, if it is indexed
 template <class Block>
 std::optional<AuxiliaryEstimate<Block>> auxiliary(const Odometry& odometry, int index = 0) {

@@ -130,9 +130,9 @@ class RIO_API Odometry {
   /// Pose of a radar in the body frame: the estimate, or the option's value if it is not estimated.
   const Pose& extrinsics(std::size_t radar = 0) const noexcept;
   /// Value and covariance (column by column) of a declared auxiliary state at the last update;
-  /// false if there is none of that name and index, or it is delayed and not known yet. `value` has
-  /// room for its n elements, `covariance` for n x n. Typed access: rio::auxiliary in
-  /// rio/aiding.hpp.
+  /// false before the start, for none of that name and index, and for a delayed one that is not
+  /// known yet. `value` has room for its n elements, `covariance` for n x n. Typed access:
+  /// rio::auxiliary in rio/aiding.hpp.
   bool auxiliary(const char* name, double* value, double* covariance, int index = 0) const noexcept;
   /// The last update, stage by stage.
   const UpdateReport& report() const noexcept;

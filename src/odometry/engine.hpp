@@ -139,7 +139,7 @@ class Engine final : public Odometry::Impl {
 
   bool auxiliary(const char* name, int index, double* value, double* P) const override {
     const int first = options_.auxiliary.find(name, index);
-    if (first < 0 || pipeline_.auxiliary_is_unknown(first)) return false;
+    if (!initialized || first < 0 || pipeline_.auxiliary_is_unknown(first)) return false;
     const int size = options_.auxiliary.size_of(name);
     const StateEstimate& state_estimate = pipeline_.backend().state_estimate();
     const int at = state_estimate.layout().auxiliary() + first;

@@ -170,9 +170,12 @@ TEST_P(AidingTest, LateOnesGoWhereTheyBelong) {
 
 TEST_P(AidingTest, WhatIsRefusedSaysWhy) {
   Options o = options();
+  o.auxiliary.declare<HeightOffset>();
   odometry = Odometry::create(o);
   EXPECT_EQ(odometry->add_measurement({Time{0}, HeightModel{}, {1.0, 1.0}}),
             Status::kNotInitialized);
+  EXPECT_FALSE(auxiliary<HeightOffset>(*odometry));
+  o = options();
   o.start.static_alignment = false;
   odometry = Odometry::create(o);
   ASSERT_EQ(odometry->reset(flight().truth.front(), 1e-4 * BodyCovariance::Identity()),
