@@ -89,12 +89,8 @@ YamlFile parse_setting(const std::string& setting) {
   if (equals == std::string::npos || equals == 0) {
     throw std::runtime_error("\"" + setting + "\": is not KEY=VALUE");
   }
-  std::string key = setting.substr(0, equals);  // "a.b" is "{a: {b: value}}"
-  std::string end = "}";
-  for (std::size_t dot; (dot = key.find('.')) != std::string::npos; end += "}") {
-    key.replace(dot, 1, ": {");
-  }
-  YamlFile file = parse_yaml("{" + key + ": " + setting.substr(equals + 1) + end, setting);
+  YamlFile file =
+      parse_yaml(setting.substr(0, equals) + ": " + setting.substr(equals + 1), setting);
   file.has_lines = false;
   return file;
 }

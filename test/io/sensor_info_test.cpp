@@ -237,6 +237,8 @@ TEST(OptionsYaml, ASettingHasNoLineAndAWrongPresetTellsAll) {
   Options options;
   EXPECT_ERROR(apply_settings({"radar.colour=1"}, &options),
                "radar.colour=1: unknown key \"radar.colour\"");
+  EXPECT_ERROR(apply_settings({"radar.T_BS.translation=0.1,0,0"}, &options),
+               "radar.T_BS.translation=0.1,0,0: radar.T_BS.translation: a list of 3 numbers");
   EXPECT_ERROR(
       preset_named("published-ukf"),
       "no such preset: \"published-ukf\"; there are default, published-ekf, published-smoo");
