@@ -47,7 +47,12 @@ Node::Node(const Parameters& parameters, unsigned domain)
 void Node::make_options() {
   const std::size_t radars = names_in(parameters_.radar_topics).size();
   io::Dataset sensors;
-  if (!parameters_.sensors.empty()) sensors = io::read_sensor_info(parameters_.sensors);
+  if (parameters_.sensors.empty()) {
+    sensors.notes.emplace_back("no `sensors`: mounting and noise by the options");
+  } else {
+    sensors = io::read_sensor_info(parameters_.sensors);
+  }
+  tools::print_notes(sensors.notes);
   Options base;
   if (!parameters_.pressure_topic.empty()) (void)base.auxiliary.declare<HeightOffset>();
   tools::EstimatorArguments arguments;
@@ -91,6 +96,10 @@ void Node::step() {
   take_pressure();
   take_imu();
   for (std::size_t r = 0; r < radars_.size(); ++r) take_scans(r);
+  if (silent_at_ && std::chrono::steady_clock::now() > *silent_at_) {
+    fmt::print(stderr, "{}", silence());
+    silent_at_.reset();
+  }
   if (newest_ - diagnosed_ < from_seconds(1.0) && newest_ >= diagnosed_) return;
   outputs_->diagnose(*odometry_, newest_);
   diagnosed_ = newest_;
@@ -165,6 +174,7 @@ void Node::take_pressure() {
 void Node::take_reset() {
   while (reset_->take(&bytes_)) {
     odometry_->reset();
+    heights_ = {};  // over the new start
     told_scans_ = 0;
     fmt::print(stderr, "rio-ros2: reset: starts anew\n");
   }
@@ -186,7 +196,17 @@ std::string Node::summary() const {
   text += fmt::format("; {} processed, {} before the start, {} late, {} messages left out; {}\n",
                       counters.scans, counters.scans_uninitialized, counters.scans_late, refused_,
                       to_string(odometry_->health().state));
-  if (imu_samples_ == 0) text += "rio-ros2: no IMU sample came: topic name, domain, QoS?\n";
+  return text + silence();
+}
+
+std::string Node::silence() const {
+  std::string text;
+  const auto add = [&text](const std::string& name, std::uint64_t count) {
+    if (count > 0) return;
+    text += "rio-ros2: nothing came on " + name + ": topic name, ROS_DOMAIN_ID, QoS?\n";
+  };
+  add(parameters_.imu_topic, imu_samples_);
+  for (const Radar& radar : radars_) add(radar.topic.name, radar.scans);
   return text;
 }
 

@@ -2,6 +2,7 @@
 // The node: subscriptions -> estimator -> publishers, in one thread.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -39,6 +40,8 @@ class Node {
 
   void make_options();
   void subscribe();
+  /// Names the topics of IMU and radars on which nothing has come.
+  std::string silence() const;
   /// Takes the messages that have come; one that is not what its type says is left out, and told of
   /// the first of each topic. Publishes new estimates.
   template <class TakeOne>
@@ -61,7 +64,10 @@ class Node {
   std::deque<Radar> radars_;
   std::vector<std::uint8_t> bytes_;
   RadarScan scan_;
-  io::BarometricScale heights_;  ///< zero at the first pressure
+  io::BarometricScale heights_;  ///< zero at the first pressure since the start or a reset
+  /// When silence is told.
+  std::optional<std::chrono::steady_clock::time_point> silent_at_ =
+      std::chrono::steady_clock::now() + std::chrono::seconds(10);
   std::uint64_t told_scans_ = 0;
   std::uint64_t imu_samples_ = 0;
   std::uint64_t refused_ = 0;

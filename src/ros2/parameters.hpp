@@ -27,6 +27,7 @@ struct Parameters {
   double odometry_rate = 0.0;
   bool publish_tf = true;
   bool reliable = false;
+  bool use_sim_time = false;
   double gyro_sigma = 0.0;
   double pressure_sigma = 0.3;
 };
@@ -57,6 +58,9 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<ParametersT>, Parameters>> v
   visit(FieldInfo{"reliable", "", "Subscribe reliably; publishers of sensor data must be, too.",
                   0.0, 1.0},
         p.reliable);
+  visit(
+      FieldInfo{"use_sim_time", "", "Without effect: the stamps of the messages count.", 0.0, 1.0},
+      p.use_sim_time);
   visit(FieldInfo{"gyro_sigma", "rad/s", "Noise of a gyroscope sample, for the twist.", 0.0, 10.0},
         p.gyro_sigma);
   visit(FieldInfo{"pressure_sigma", "m", "Noise of a height of the barometer.", 1e-3, 100.0},

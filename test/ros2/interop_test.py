@@ -4,6 +4,7 @@
 RIO_ROS2_SOAK=SECONDS makes the flight that long.
 """
 import os
+import random
 import signal
 import subprocess
 import time
@@ -149,6 +150,39 @@ def test_a_subscriber_that_died_comes_back(played):
 
 def test_nothing_was_left_out(played):
     assert "0 messages left out; ok" in played[3]
+
+
+def test_heights_of_a_barometer_are_over_the_start_of_a_reset(domain, tmp_path):
+    """A vehicle stands, is carried 50 m higher while nobody looks, and stands again."""
+    noise = random.Random(1).gauss
+    files = {name: ["#"] for name in ("imu0", "radar0", "baro0")}
+    for k in range(12 * 200):
+        time_ = 5_000_000 * k
+        files["imu0"].append(f"{time_}," + ",".join(str(noise(mean, sigma)) for mean, sigma in 3 * [(0, 1e-3)] +
+                                                    [(0, 0.02), (0, 0.02), (9.81, 0.02)]))
+        if k % 20 == 0:
+            files["baro0"].append(f"{time_},{0 if k == 1000 else 100_000 - 600 * (k > 1000) + noise(0, 2)}")
+            files["radar0"] += [f"{time_},{noise(3, 0.02)},{0.2 * i},{0.1 * (i % 3)},{noise(0, 0.02)},20,0"
+                                for i in range(-6, 7)]
+    for name, rows in files.items():
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "data.csv").write_text("\n".join(rows) + "\n")
+    environment = dict(domain, ROS_DOMAIN_ID=str(int(domain["ROS_DOMAIN_ID"]) - 50))
+    node = (os.environ["RIO_ROS2"], "-p", "pressure_topic:=/pressure", "-p", "reliable:=true")
+    with Started(tmp_path / "rio", *node, env=environment) as rio:
+        with Started(tmp_path / "player", REFEREE, "play", tmp_path, 2.0, env=environment) as player:
+            assert player.process.wait(timeout=60) == 0, player.text()
+    assert "reset: starts anew" in rio.text()
+    assert [words[1:-1] for words in lines(player.text())["diagnostics"]][-1] == ["ok"]
+    assert "no `sensors`: mounting and noise by the options" in rio.text()
+
+
+def test_topics_on_which_nothing_comes_are_told(domain, tmp_path):
+    node = (os.environ["RIO_ROS2"], "-p", f"sensors:={tmp_path}", "-p", "use_sim_time:=true")
+    with Started(tmp_path / "rio", *node, env=dict(domain, ROS_DOMAIN_ID="99")) as rio:
+        until(lambda: "rio-ros2: nothing came on /radar/points: topic name" in rio.text())
+    assert "rio-ros2: nothing came on /imu/data: topic name, ROS_DOMAIN_ID, QoS?" in rio.text()
+    assert "radar0/sensor.yaml missing: radar pose from the options" in rio.text()
 
 
 def test_a_wrong_parameter_is_named(tmp_path, domain):

@@ -2,7 +2,9 @@
 // The other side of rio-ros2, with the DDS of another vendor, which is ROS 2's own default: plays a
 // dataset folder as sensor topics and prints what comes back, one line per message.
 //
-//   referee play FLIGHT SPEED     publishes /imu/data and /radar/points, prints /rio/pose and more
+//   referee play FLIGHT SPEED     publishes /imu/data, /radar/points and /pressure, prints
+//   /rio/pose
+//                                 and more; a pressure of zero stands for a message on /rio/reset
 //   referee listen SECONDS        prints, until SIGTERM or that long
 #include <chrono>
 #include <cstdio>
@@ -28,6 +30,7 @@ namespace {
 
 namespace dds = eprosima::fastdds::dds;
 using Duration = std::chrono::duration<double>;
+using sensor_msgs::msg::dds_::FluidPressure_;
 using sensor_msgs::msg::dds_::Imu_;
 using sensor_msgs::msg::dds_::PointCloud2_;
 using sensor_msgs::msg::dds_::PointField_;
@@ -249,10 +252,16 @@ PointCloud2_ cloud_of(const std::vector<Row>& rows, std::size_t from, std::size_
 int play(const std::string& flight, double speed) {
   const std::vector<Row> imu = rows_of(flight + "/imu0/data.csv");
   const std::vector<Row> points = rows_of(flight + "/radar0/data.csv");
+  const std::string baro = flight + "/baro0/data.csv";
+  const std::vector<Row> pressures = std::ifstream(baro) ? rows_of(baro) : std::vector<Row>{};
   Node node;
   dds::DataWriter* imu_writer = node.writer<sensor_msgs::msg::dds_::Imu_PubSubType>("rt/imu/data");
   dds::DataWriter* scan_writer =
       node.writer<sensor_msgs::msg::dds_::PointCloud2_PubSubType>("rt/radar/points");
+  dds::DataWriter* pressure_writer =
+      node.writer<sensor_msgs::msg::dds_::FluidPressure_PubSubType>("rt/pressure");
+  dds::DataWriter* reset_writer =
+      node.writer<std_msgs::msg::dds_::Empty_PubSubType>("rt/rio/reset");
   Listener listener(&node);
   const auto matched = [](dds::DataWriter* writer) {
     dds::PublicationMatchedStatus status;
@@ -266,6 +275,7 @@ int play(const std::string& flight, double speed) {
   std::this_thread::sleep_for(std::chrono::milliseconds(300));  // the other topics
   const auto begin = std::chrono::steady_clock::now();
   std::size_t scan = 0;
+  std::size_t pressure = 0;
   for (const Row& row : imu) {
     std::this_thread::sleep_until(
         begin + Duration(1e-9 * static_cast<double>(row.time - imu[0].time) / speed));
@@ -275,6 +285,17 @@ int play(const std::string& flight, double speed) {
       PointCloud2_ message = cloud_of(points, scan, end);
       scan_writer->write(&message);
       scan = end;
+    }
+    for (; pressure < pressures.size() && pressures[pressure].time < row.time; ++pressure) {
+      std_msgs::msg::dds_::Empty_ reset;
+      FluidPressure_ message;
+      stamp(&message, pressures[pressure].time, "baro");
+      message.fluid_pressure(pressures[pressure].values[0]);
+      if (message.fluid_pressure() > 0.0) {
+        pressure_writer->write(&message);
+      } else {
+        reset_writer->write(&reset);
+      }
     }
     Imu_ message = imu_of(row);
     imu_writer->write(&message);
