@@ -40,8 +40,9 @@ void declare_auxiliary(const std::vector<std::string>& names, Options* options);
 tools::EstimatorArguments estimator_of(const std::vector<std::string>& texts,
                                        const std::string& preset);
 
-/// Preset, then the sensor files of a folder (if one is named), then the texts. Throws
-/// std::runtime_error, "options:LINE: ..." if a line is at fault.
+/// Preset, then the sensor files of a folder (if one is named), then the texts. What is missing or
+/// not known in the files is a warning. Throws std::runtime_error, "options:LINE: ..." if a line is
+/// at fault.
 Options make_options(const std::vector<std::string>& texts, const std::string& preset,
                      const std::string& sensors);
 

@@ -2,6 +2,7 @@
 // The estimator call by call: rio.Odometry.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <stdexcept>
 #include <string>
@@ -35,8 +36,13 @@ double& column(RadarDetection& d, std::size_t i) {
   return *columns[i];
 }
 
-/// Lists and other sequences are values by row; a pandas.DataFrame is records, by its names.
+/// Lists and other sequences are values by row; a pandas.DataFrame is records, by its names. Points
+/// with a masked value are left out: it is not finite.
 py::array array_of(const py::object& points) {
+  if (py::hasattr(points, "filled")) {
+    const bool has_names = !points.attr("dtype").attr("names").is_none();
+    return (has_names ? points : points.attr("astype")("f8")).attr("filled")(std::nan(""));
+  }
   if (py::hasattr(points, "to_records")) {
     return points.attr("to_records")(py::arg("index") = false);
   }
@@ -163,7 +169,7 @@ void bind_odometry(py::module_& module) {
           "snr, noise [dB]; sigmas of range [m], azimuth, elevation [rad], doppler [m/s], 0 =\n"
           "that of the options. Or a structured array or DataFrame with fields x, y, z, doppler,\n"
           "snr, noise, sigma_range, sigma_azimuth, sigma_elevation, sigma_doppler, the first four\n"
-          "required.")
+          "required. Points with a masked value are left out.")
       .def(
           "reset",
           [](Odometry& o, const NavState& state, const Eigen::Ref<const Eigen::MatrixXd>& P) {

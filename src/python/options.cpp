@@ -68,6 +68,10 @@ Options make_options(const std::vector<std::string>& texts, const std::string& p
                      const std::string& sensors) {
   io::Dataset dataset;
   if (!sensors.empty()) dataset = io::read_sensor_info(sensors);
+  for (const std::string& note : dataset.notes) {
+    constexpr int kCaller = 2;  // of rio.Odometry
+    if (PyErr_WarnEx(PyExc_UserWarning, note.c_str(), kCaller) != 0) throw py::error_already_set();
+  }
   std::vector<std::string> notes;
   return io::flown_options(estimator_of(texts, preset), dataset, {}, &notes);
 }

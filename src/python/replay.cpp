@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // rio.replay: a recording through the estimator, everything as arrays.
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -150,6 +151,21 @@ class Recorder {
   std::uint64_t restarts_ = 0;
 };
 
+/// Lets Python handle its signals, so that Ctrl-C ends a long replay.
+class Signals {
+ public:
+  void poll() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now < next_) return;
+    next_ = now + std::chrono::milliseconds(100);
+    const py::gil_scoped_acquire acquire;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point next_;
+};
+
 py::list events_of(const std::vector<Event>& events) {
   py::list out;
   for (const Event& e : events) out.append(py::make_tuple(e.time, e.what, e.value));
@@ -181,11 +197,15 @@ py::dict result_of(tools::Replayed&& replayed, Recorder&& recorder) {
 
 py::dict replayed_arrays(const tools::ReplayArguments& arguments) {
   Recorder recorder;
+  Signals signals;
   tools::Replayed replayed;
   {
     const py::gil_scoped_release release;
     tools::ViewOutputs nothing({});
-    replayed = tools::run_replay(arguments, &nothing, [&](const Odometry& o) { recorder.add(o); });
+    replayed = tools::run_replay(arguments, &nothing, [&](const Odometry& o) {
+      recorder.add(o);
+      signals.poll();
+    });
   }
   return result_of(std::move(replayed), std::move(recorder));
 }

@@ -44,6 +44,11 @@ def test_presets_are_those_of_the_program(program):
 def test_a_wrong_option_is_named(tmp_path):
     with pytest.raises(rio.Error, match='did you mean "radar.sigma_doppler"'):
         rio.Options({"radar": {"sigma_dopler": 1}})
+    for file in ("my.yaml", tmp_path):
+        with pytest.raises(TypeError, match="a dict is expected; of a file: rio.Options.from_file"):
+            rio.replay(tmp_path, file)
+    with pytest.raises(TypeError, match="{1, 2}: a number, text, list or dict is expected"):
+        rio.Options({"radar": {"T_BS": {"translation": {1, 2}}}})
     options = rio.Options()
     with pytest.raises(rio.Error, match="radar.max_range"):
         options["radar.max_range"] = -1
@@ -109,6 +114,7 @@ def test_wrong_arguments_are_named(flight, tmp_path):
     result = rio.replay(flight)
     path = result.path
     for bad, why in ((path._replace(positions=path.positions * np.nan), "pose 0 is not finite"),
+                     (path._replace(positions=np.ma.masked_less(path.positions, 9e9)), "pose 0 is not finite"),
                      (path._replace(orientations=path.orientations * 0), "pose 0 .* no rotation"),
                      (path._replace(orientations=path.orientations * np.nan), "only a truth"),
                      (path._replace(positions=path.positions[:, :2]), "positions .N x 3")):

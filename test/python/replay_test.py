@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """rio.replay against `rio replay`, to the bit."""
+import _thread
 import gc
 import json
 import threading
+import time
 import types
+import warnings
 
 import numpy as np
 import pytest
@@ -98,6 +101,26 @@ def test_other_threads_run_during_a_replay(flight):
     assert counted > 10000  # a handful if the replay kept the interpreter
 
 
+def test_a_signal_ends_a_replay(flight):
+    smoother = {"backend": "smoother"}
+    start = time.monotonic()
+    rio.replay(flight, smoother)
+    whole = time.monotonic() - start
+    threading.Timer(0.1 * whole, _thread.interrupt_main).start()
+    start = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        rio.replay(flight, smoother)
+    assert time.monotonic() - start < 0.6 * whole
+
+
+def test_sensor_files_without_a_mounting_are_told(flight, tmp_path):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        rio.Odometry(sensors=flight)
+    with pytest.warns(UserWarning, match="radar0/sensor.yaml missing: radar pose from the options"):
+        rio.Odometry(sensors=tmp_path)
+
+
 def test_call_by_call_equals_the_replay(flight):
     replayed = rio.replay(flight, init="static")
     odometry = rio.Odometry(sensors=flight)
@@ -142,8 +165,12 @@ def test_points_as_records(flight):
     for index, name in enumerate(names):
         records[name] = points[:, index]
     frame = types.SimpleNamespace(to_records=lambda index: records)  # as of pandas
+    masked = np.ma.masked_array(np.vstack([points, points]))
+    masked[len(points):, 3] = np.ma.masked
+    masked_records = np.ma.append(records, records)
+    masked_records["doppler"][len(points):] = np.ma.masked
     states = []
-    for given in (points, records, points.tolist(), np.asfortranarray(points), frame):
+    for given in (points, records, points.tolist(), np.asfortranarray(points), frame, masked, masked_records):
         odometry = rio.Odometry(sensors=flight)
         start = rio.State(time - 10**7, [1, 2, 3], [1, 0, 0, 0], [0, 0, 0])
         assert odometry.reset(start, np.eye(15) * 0.01) == rio.Status.OK

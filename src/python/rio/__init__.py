@@ -52,6 +52,8 @@ class Options:
     def __init__(self, values: Mapping[str, Any] | None = None, *, preset: str = "") -> None:
         self._texts: list[str] = []
         self._preset = preset
+        if values is not None and not isinstance(values, Mapping):
+            raise TypeError("options: a dict is expected; of a file: rio.Options.from_file()")
         if values:
             self._texts.append(_text_of(values))
         self.as_dict()  # refuses what is wrong
@@ -119,9 +121,18 @@ class Options:
 OptionsLike = Union[Options, Mapping[str, Any], None]
 
 
+def _plain(value: Any) -> Any:
+    """Numpy values as lists and numbers, any mapping as a dict."""
+    if isinstance(value, Mapping):
+        return dict(value)
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    raise TypeError(f"options: {value!r}: a number, text, list or dict is expected")
+
+
 def _text_of(values: Mapping[str, Any]) -> str:
-    """JSON is YAML; numpy values become lists and numbers."""
-    return json.dumps(values, default=lambda value: value.tolist(), indent=0)
+    """JSON is YAML."""
+    return json.dumps(values, default=_plain, indent=0)
 
 
 def _options(options: OptionsLike) -> Options:
@@ -137,7 +148,8 @@ class Odometry(_rio.Odometry):
         odometry.now().position
 
     sensors: a folder with imu0/sensor.yaml, radar0/sensor.yaml, radar1/sensor.yaml, ..., as
-    `rio calibrate` writes it; its radars can be fed. The options win over it.
+    `rio calibrate` writes it; its radars can be fed. The options win over it. A file or mounting
+    that is missing is a warning.
     auxiliary: states that other sensors need beside the estimator's own: "height_offset" for
     add_height, "ground_height" for add_ground_range.
     """
@@ -240,7 +252,7 @@ def replay(path: PathLike, options: OptionsLike = None, *, init: str = "", map: 
     check: also look for errors of the recording, into summary["data"]
 
     A lost estimate is a Result with `lost`; a replay that could not start is a rio.Error.
-    Other threads run meanwhile.
+    Other threads run meanwhile; Ctrl-C ends it.
     """
     chosen = _options(options)
     arrays = _rio.replay(os.fspath(path), chosen._texts, chosen._preset, init, os.fspath(map),
@@ -266,7 +278,7 @@ def _named_path(source: PathSource, truth: bool) -> tuple[Path, str]:
         return read_path(source, truth=truth), os.fspath(source)
     if np.asarray(source.times).dtype.kind not in "iu":
         raise TypeError("times of a path: integers are expected, nanoseconds")
-    return source, "result"
+    return source._replace(positions=np.ma.filled(source.positions, np.nan)), "result"
 
 
 def evaluate(truth: PathSource, estimate: PathSource, *, align: str = "none",
