@@ -26,7 +26,8 @@ struct Sources {
 /// set of options that does not hold together
 Options load(const Sources& sources, std::vector<std::string>* notes = nullptr);
 
-/// An option file that loads to the same options, each with its unit and meaning.
+/// An option file that loads to the same options, each with its unit and meaning. What only presets
+/// set is that of the preset it names: what a program changed of it cannot be written.
 std::string as_yaml(const Options& options);
 
 }  // namespace rio::files

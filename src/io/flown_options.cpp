@@ -31,18 +31,13 @@ std::vector<std::string> tell_sensors_and_values(const Dataset& sensors, const O
   return changed;
 }
 
-std::string preset_of(const EstimatorArguments& arguments) {
-  if (!arguments.preset.empty()) return arguments.preset;
-  std::string name = preset_in_texts(arguments.texts, kTexts).value_or("");
+Options flown_options(const EstimatorArguments& arguments, const Dataset& sensors, Options base,
+                      std::vector<std::string>* notes) {
+  std::string name = arguments.preset;
+  if (name.empty()) name = preset_in_texts(arguments.texts, kTexts).value_or("");
   if (name.empty() && !arguments.config.empty()) {
     name = preset_in_texts({read_text(arguments.config)}, arguments.config).value_or("");
   }
-  return name;
-}
-
-Options flown_options(const EstimatorArguments& arguments, const Dataset& sensors, Options base,
-                      std::vector<std::string>* notes) {
-  const std::string name = preset_of(arguments);
   Options options = name.empty() ? std::move(base) : preset_named(name, std::move(base));
   const std::vector<std::string> changed = tell_sensors_and_values(sensors, arguments, &options);
   notes->insert(notes->end(), changed.begin(), changed.end());

@@ -160,8 +160,29 @@ std::optional<std::string> preset_in_texts(const std::vector<std::string>& yaml,
   return last;
 }
 
+std::string preset_of(const Options& options) {
+  std::size_t shown = 0;  // by fields_text(); the others belong to the preset alone
+  visit_fields(options, [&shown](const FieldInfo&, const auto&) { ++shown; });
+  const std::vector<OptionText> texts = option_texts(options);
+  std::string name;
+  std::size_t fewest = texts.size();
+  for (const char* candidate : kPresets) {
+    const std::vector<OptionText> its = option_texts(preset_named(candidate));
+    std::size_t differ = 0;
+    for (std::size_t i = 0; i < texts.size(); ++i) {
+      if (texts[i].value != its[i].value) differ += i < shown ? 1 : texts.size();
+    }
+    if (differ >= fewest) continue;
+    fewest = differ;
+    name = candidate;
+  }
+  return name;
+}
+
 std::string options_as_yaml(const Options& options) {
-  return kUnits + fields_text(options);
+  const std::string name = preset_of(options);
+  const bool said = !name.empty() && name != kPresets[0];
+  return kUnits + (said ? fmt::format("{}: {}\n", kPresetKey, name) : "") + fields_text(options);
 }
 
 std::string option_file(const std::string& preset_name) {

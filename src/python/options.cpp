@@ -30,6 +30,7 @@ py::object value_of(Value value) {
 
 py::dict values_of(const Options& options) {
   py::dict values;
+  values["preset"] = io::preset_of(options);
   visit_fields(options, [&values](const FieldInfo& info, const auto& value) {
     values[info.key] = value_of(value);
   });
@@ -38,6 +39,7 @@ py::dict values_of(const Options& options) {
 
 py::dict meanings() {
   py::dict out;
+  out["preset"] = py::make_tuple("", "Name of the preset.");
   const Options options;
   visit_fields(options, [&out](const FieldInfo& info, const auto&) {
     out[info.key] = py::make_tuple(info.unit, info.doc);

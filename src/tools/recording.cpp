@@ -246,8 +246,6 @@ void print_options(const OptionsArguments& arguments) {
   if (options.radars() > 1) {
     fmt::print("# Of radar0; that of the others is in their sensor.yaml, with these defaults.\n");
   }
-  const std::string preset = io::preset_of(arguments.estimator);
-  if (!preset.empty() && preset != "default") fmt::print("preset: {}\n", preset);
   fmt::print("{}", io::options_as_yaml(options));
 }
 

@@ -68,7 +68,9 @@ TEST(OptionsYaml, PresetsAreValidAndRoundTrip) {
     Options expected;
     ASSERT_TRUE(preset(name, &expected)) << name;
     EXPECT_TRUE(expected.validate()) << name;
-    EXPECT_EQ(values(parsed(options_as_yaml(expected))), values(expected)) << name;
+    const std::string all = options_as_yaml(expected);
+    EXPECT_EQ(values(parsed(all)), values(expected)) << name;
+    EXPECT_EQ(preset_in_texts({all}, "o.yaml").value_or("default"), name);  // with what it hides
     const std::string text = option_file(name);
     EXPECT_EQ(values(parsed(text)), values(expected)) << name;
     Options other = expected;  // what a recording says of its sensors

@@ -36,7 +36,12 @@ def test_presets_are_those_of_the_program(program):
         options = rio.Options.from_yaml(f"preset: {preset}")
         assert options == rio.Options(preset=preset)
         assert options == rio.Options.from_yaml(program("options", "--preset", preset))
-    assert rio.Options(preset="published-ekf") != rio.Options()
+    published = rio.Options(preset="published-ekf")
+    assert published != rio.Options() and published["preset"] == "published-ekf"
+    same_values = rio.Options({key: published[key] for key in published if key != "preset"})
+    assert same_values != published and same_values["preset"] == "default"
+    for twin in (rio.Options(published.as_dict()), rio.Options.from_yaml(published.yaml())):
+        assert twin == published
     with pytest.raises(rio.Error, match="no such preset"):
         rio.Options(preset="nonsense")
 
@@ -65,8 +70,9 @@ def test_options_of_a_recording_are_what_flies(flight, program):
     assert flown["update.max_landmarks"] == 7
     assert flown["radar.T_BS.translation"] != rio.Options()["radar.T_BS.translation"]
     assert rio.options_of(flight).yaml() == program("options", "--from", flight)
-    assert np.array_equal(rio.replay(flight, flown).positions,
-                          rio.replay(flight, {"update": {"max_landmarks": 7}}).positions)
+    for values in ({"update": {"max_landmarks": 7}}, rio.Options(preset="published-ekf")):
+        assert np.array_equal(rio.replay(flight, rio.options_of(flight, values)).positions,
+                              rio.replay(flight, values).positions)
 
 
 def test_evaluate_equals_the_program(flight, program, tmp_path):

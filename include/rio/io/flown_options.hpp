@@ -29,10 +29,6 @@ struct EstimatorArguments : OptionValues {
 std::vector<std::string> tell_sensors_and_values(const Dataset& sensors, const OptionValues& values,
                                                  Options* options);
 
-/// The preset of arguments, texts or file; empty if none of them names one. Throws
-/// std::runtime_error.
-std::string preset_of(const EstimatorArguments& arguments);
-
 /// Preset, then the sensor properties, then the values of the user, then the back-end. Throws
 /// std::runtime_error.
 /// @param base the options that the preset modifies

@@ -34,7 +34,12 @@ void apply_settings(const std::vector<std::string>& settings, Options* options);
 /// @throws std::runtime_error that tells the presets if there is no such one
 Options preset_named(const std::string& name, Options base = {});
 
-/// Every option with its unit and meaning as a comment; reads back to the same options.
+/// The preset that has the options which no file sets (Layer::kAlgorithm of visit_preset_fields())
+/// as they are; of several the one nearest in the others. Empty if there is none.
+std::string preset_of(const Options& options);
+
+/// Every option with its unit and meaning as a comment, and the preset if it is not `default`;
+/// reads back to the same options, unless preset_of() them is empty.
 std::string options_as_yaml(const Options& options);
 
 /// The same as a template: it names the preset; options of sensor files and of the preset

@@ -97,11 +97,13 @@ class Options:
         return iter(self.as_dict())
 
     def as_dict(self) -> dict[str, Any]:
-        """Every key with its value, without sensor files."""
+        """The preset, and every key with its value, without sensor files. Given to a replay, all of
+        them win over its sensor files, the mounting included."""
         return _rio.option_values(self._texts, self._preset)
 
     def yaml(self) -> str:
-        """Every key as the text of an option file, with units and meanings."""
+        """The same as the text of an option file, with units and meanings. For one that keeps the
+        values of a recording's sensor files: options_of(recording).yaml()."""
         return _rio.option_file(self._texts, self._preset)
 
     def __eq__(self, other: object) -> bool:
