@@ -22,7 +22,7 @@ constexpr int kScanDepth = 100;
 std::vector<std::string> names_in(const std::string& list) {
   std::istringstream text(list);
   std::vector<std::string> names;
-  for (std::string name; std::getline(text, name, ',');) names.push_back(name);
+  for (std::string name; std::getline(text >> std::ws, name, ',');) names.push_back(name);
   return names;
 }
 
@@ -39,6 +39,7 @@ Node::Node(const Parameters& parameters, unsigned domain)
   odometry_ = Odometry::create(options_, &why);
   if (odometry_ == nullptr) throw std::runtime_error(why);
   outputs_.emplace(participant_, parameters_, options_);
+  odometry_->on_scan([this] { publish_scan(); });
   subscribe();
   fmt::print(stderr, "rio-ros2: domain {}, IMU {}, radar {}, odometry {}\n", domain,
              parameters_.imu_topic, parameters_.radar_topics, parameters_.odometry_topic);
@@ -117,7 +118,7 @@ void Node::take(Reader* reader, const std::string& name, const TakeOne& take_one
         fmt::print(stderr, "rio-ros2: {}: a message is left out: {}\n", name, damage.what());
       }
     }
-    tell();
+    if (error_) std::rethrow_exception(error_);
   }
 }
 
@@ -175,16 +176,16 @@ void Node::take_reset() {
   while (reset_->take(&bytes_)) {
     odometry_->reset();
     heights_ = {};  // over the new start
-    told_scans_ = 0;
     fmt::print(stderr, "rio-ros2: reset: starts anew\n");
   }
 }
 
-void Node::tell() {
-  const std::uint64_t scans = odometry_->counters().scans;
-  if (scans == told_scans_) return;
-  told_scans_ = scans;
-  if (odometry_->report().status == Status::kOk) outputs_->on_estimate(*odometry_);
+void Node::publish_scan() noexcept {
+  try {
+    if (odometry_->report().status == Status::kOk) outputs_->on_estimate(*odometry_);
+  } catch (...) {
+    error_ = std::current_exception();
+  }
 }
 
 std::string Node::summary() const {

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <deque>
+#include <exception>
 #include <memory>
 #include <optional>
 #include <string>
@@ -43,15 +44,15 @@ class Node {
   /// Names the topics of IMU and radars on which nothing has come.
   std::string silence() const;
   /// Takes the messages that have come; one that is not what its type says is left out, and told of
-  /// the first of each topic. Publishes new estimates.
+  /// the first of each topic.
   template <class TakeOne>
   void take(Reader* reader, const std::string& topic, const TakeOne& take_one);
   void take_imu();
   void take_scans(std::size_t radar);
   void take_pressure();
   void take_reset();
-  /// After every call of the estimator: publishes a new estimate.
-  void tell();
+  /// Within a call of the estimator, which does not throw.
+  void publish_scan() noexcept;
 
   Parameters parameters_;
   Participant participant_;
@@ -68,7 +69,7 @@ class Node {
   /// When silence is told.
   std::optional<std::chrono::steady_clock::time_point> silent_at_ =
       std::chrono::steady_clock::now() + std::chrono::seconds(10);
-  std::uint64_t told_scans_ = 0;
+  std::exception_ptr error_;  ///< of publishing
   std::uint64_t imu_samples_ = 0;
   std::uint64_t refused_ = 0;
   std::vector<std::string> refusals_;  ///< topics of which it has been said

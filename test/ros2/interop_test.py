@@ -5,6 +5,7 @@ RIO_ROS2_SOAK=SECONDS makes the flight that long.
 """
 import os
 import random
+import re
 import signal
 import subprocess
 import time
@@ -14,6 +15,7 @@ import pytest
 REFEREE = os.environ["RIO_ROS2_REFEREE"]
 SOAK = float(os.environ.get("RIO_ROS2_SOAK", "0"))
 SPEED = 1.0 if SOAK else 4.0
+RADAR = ("-p", "radar_topics:=/radar0/points")
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +67,7 @@ def lines(output):
 def played(domain, flight, tmp_path_factory):
     """What came back, what a subscriber that died and came back heard, and what the node said."""
     out = tmp_path_factory.mktemp("played")
-    node = (os.environ["RIO_ROS2"], "--ros-args", "-p", f"sensors:={flight}")
+    node = (os.environ["RIO_ROS2"], "--ros-args", "-p", f"sensors:={flight}", *RADAR)
     with Started(out / "rio", *node, env=domain) as rio:
         with Started(out / "player", REFEREE, "play", flight, SPEED, env=domain) as player:
             with Started(out / "first", REFEREE, "listen", 600, env=domain) as first:
@@ -89,7 +91,7 @@ def until(condition):
 
 def test_poses_are_those_of_a_replay_to_the_bit(domain, flight, tmp_path):
     environment = dict(domain, ROS_DOMAIN_ID=str(int(domain["ROS_DOMAIN_ID"]) - 100))
-    node = (os.environ["RIO_ROS2"], "-p", f"sensors:={flight}", "-p", "reliable:=true")
+    node = (os.environ["RIO_ROS2"], "-p", f"sensors:={flight}", "-p", "reliable:=true", *RADAR)
     with Started(tmp_path / "rio", *node, env=environment):  # reliable: a busy machine loses no scan
         with Started(tmp_path / "player", REFEREE, "play", flight, SPEED, env=environment) as player:
             assert player.process.wait(timeout=2 * SOAK + 120) == 0, player.text()
@@ -105,6 +107,22 @@ def test_poses_are_those_of_a_replay_to_the_bit(domain, flight, tmp_path):
     for pose in poses:  # which takes every sample and scan so far
         assert [float(word) for word in pose[1:8]] == expected[pose[0]]
         assert 0 < float(pose[8]) < 1
+
+
+def test_every_scan_of_two_radars_has_its_pose(domain, tmp_path):
+    environment = dict(domain, ROS_DOMAIN_ID=str(int(domain["ROS_DOMAIN_ID"]) - 25))
+    flight = tmp_path / "flight"
+    subprocess.run([os.environ["RIO_TOOL"], "simulate", flight, "--length", "20", "--seed", "5", "--radars", "2"],
+                   check=True, capture_output=True)
+    node = (os.environ["RIO_ROS2"], "-p", f"sensors:={flight}", "-p", "reliable:=true", "-p",
+            "radar_topics:=/radar0/points, /radar1/points")
+    with Started(tmp_path / "rio", *node, env=environment) as rio:
+        with Started(tmp_path / "player", REFEREE, "play", flight, SPEED, env=environment) as player:
+            assert player.process.wait(timeout=120) == 0, player.text()
+        rio.process.send_signal(signal.SIGINT)
+        assert rio.process.wait(timeout=10) == 0, rio.text()
+    processed = int(re.search(r"; (\d+) processed", rio.text())[1])
+    assert len(lines(player.text())["pose"]) == processed > 400
 
 
 def test_odometry_comes_at_the_rate_of_the_imu_with_frames_and_covariances(played):
@@ -168,7 +186,7 @@ def test_heights_of_a_barometer_are_over_the_start_of_a_reset(domain, tmp_path):
         (tmp_path / name).mkdir()
         (tmp_path / name / "data.csv").write_text("\n".join(rows) + "\n")
     environment = dict(domain, ROS_DOMAIN_ID=str(int(domain["ROS_DOMAIN_ID"]) - 50))
-    node = (os.environ["RIO_ROS2"], "-p", "pressure_topic:=/pressure", "-p", "reliable:=true")
+    node = (os.environ["RIO_ROS2"], "-p", "pressure_topic:=/pressure", "-p", "reliable:=true", *RADAR)
     with Started(tmp_path / "rio", *node, env=environment) as rio:
         with Started(tmp_path / "player", REFEREE, "play", tmp_path, 2.0, env=environment) as player:
             assert player.process.wait(timeout=60) == 0, player.text()
@@ -178,10 +196,10 @@ def test_heights_of_a_barometer_are_over_the_start_of_a_reset(domain, tmp_path):
 
 
 def test_topics_on_which_nothing_comes_are_told(domain, tmp_path):
-    node = (os.environ["RIO_ROS2"], "-p", f"sensors:={tmp_path}", "-p", "use_sim_time:=true")
-    with Started(tmp_path / "rio", *node, env=dict(domain, ROS_DOMAIN_ID="99")) as rio:
+    node = (os.environ["RIO_ROS2"], "-p", f"sensors:={tmp_path}", "-p", "use_sim_time:=true", "-p", "imu_topic:=/none")
+    with Started(tmp_path / "rio", *node, env=domain) as rio:
         until(lambda: "rio-ros2: nothing came on /radar/points: topic name" in rio.text())
-    assert "rio-ros2: nothing came on /imu/data: topic name, ROS_DOMAIN_ID, QoS?" in rio.text()
+    assert "rio-ros2: nothing came on /none: topic name, ROS_DOMAIN_ID, QoS?" in rio.text()
     assert "radar0/sensor.yaml missing: radar pose from the options" in rio.text()
 
 

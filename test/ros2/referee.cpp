@@ -6,6 +6,7 @@
 //   /rio/pose
 //                                 and more; a pressure of zero stands for a message on /rio/reset
 //   referee listen SECONDS        prints, until SIGTERM or that long
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -17,23 +18,19 @@
 #include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
-#include <fstream>
-#include <sstream>
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "feeds.hpp"
 #include "messagesPubSubTypes.h"
 
 namespace {
 
 namespace dds = eprosima::fastdds::dds;
 using Duration = std::chrono::duration<double>;
-using sensor_msgs::msg::dds_::FluidPressure_;
-using sensor_msgs::msg::dds_::Imu_;
-using sensor_msgs::msg::dds_::PointCloud2_;
-using sensor_msgs::msg::dds_::PointField_;
 
 /// As rmw_fastrtps sets it: messages of any size.
 template <class Qos>
@@ -177,126 +174,59 @@ class Listener {
   dds::DataReader* diagnostics_;
 };
 
-template <class Message>
-void stamp(Message* message, long long time, const char* frame) {
-  message->header().stamp().sec(static_cast<std::int32_t>(time / 1'000'000'000));
-  message->header().stamp().nanosec(static_cast<std::uint32_t>(time % 1'000'000'000));
-  message->header().frame_id(frame);
+Feed radar_feed(const std::string& folder, dds::DataWriter* writer) {
+  return {rows_of(folder + "/data.csv"), [writer](const auto& rows, auto from, auto to) {
+            PointCloud2_ message = cloud_of(rows, from, to);
+            writer->write(&message);
+          }};
 }
 
-struct Row {
-  long long time = 0;
-  std::vector<double> values;
-};
-
-std::vector<Row> rows_of(const std::string& file) {
-  std::ifstream in(file);
-  if (!in) throw std::runtime_error(file + ": not there");
-  std::vector<Row> rows;
-  for (std::string line; std::getline(in, line);) {
-    if (line[0] == '#') continue;
-    std::istringstream cells(line);
-    std::string cell;
-    std::getline(cells, cell, ',');
-    Row row{std::stoll(cell), {}};
-    while (std::getline(cells, cell, ',')) {
-      if (!cell.empty()) row.values.push_back(std::stod(cell));
-    }
-    rows.push_back(row);
-  }
-  return rows;
-}
-
-Imu_ imu_of(const Row& row) {
-  Imu_ message;
-  stamp(&message, row.time, "imu");
-  const std::vector<double>& v = row.values;
-  message.angular_velocity().x(v[0]);
-  message.angular_velocity().y(v[1]);
-  message.angular_velocity().z(v[2]);
-  message.linear_acceleration().x(v[3]);
-  message.linear_acceleration().y(v[4]);
-  message.linear_acceleration().z(v[5]);
-  return message;
-}
-
-/// Rows from..to; in doubles, so that the estimates can be those of a replay to the bit.
-PointCloud2_ cloud_of(const std::vector<Row>& rows, std::size_t from, std::size_t to) {
-  constexpr std::uint8_t kFloat64 = 8;
-  const char* const names[] = {"x", "y", "z", "doppler", "snr", "noise"};
-  PointCloud2_ message;
-  stamp(&message, rows[from].time, "radar");
-  for (std::uint32_t i = 0; i < 6; ++i) {
-    PointField_ field;
-    field.name(names[i]);
-    field.offset(8 * i);
-    field.datatype(kFloat64);
-    field.count(1);
-    message.fields().push_back(field);
-  }
-  std::vector<std::uint8_t> data;
-  for (std::size_t i = from; i < to; ++i) {
-    if (rows[i].values.empty()) continue;
-    const auto* bytes = reinterpret_cast<const std::uint8_t*>(rows[i].values.data());
-    data.insert(data.end(), bytes, bytes + 48);
-  }
-  message.height(1);
-  message.width(static_cast<std::uint32_t>(data.size() / 48));
-  message.point_step(48);
-  message.row_step(static_cast<std::uint32_t>(data.size()));
-  message.data(data);
-  message.is_dense(true);
-  return message;
+Feed pressure_feed(const std::string& folder, Node* node) {
+  dds::DataWriter* pressures =
+      node->writer<sensor_msgs::msg::dds_::FluidPressure_PubSubType>("rt/pressure");
+  dds::DataWriter* resets = node->writer<std_msgs::msg::dds_::Empty_PubSubType>("rt/rio/reset");
+  return {rows_of(folder + "/data.csv"), [=](const auto& rows, auto from, auto) {
+            std_msgs::msg::dds_::Empty_ reset;
+            FluidPressure_ message;
+            stamp(&message, rows[from].time, "baro");
+            message.fluid_pressure(rows[from].values[0]);
+            const bool is_pressure = message.fluid_pressure() > 0.0;
+            is_pressure ? pressures->write(&message) : resets->write(&reset);
+          }};
 }
 
 int play(const std::string& flight, double speed) {
   const std::vector<Row> imu = rows_of(flight + "/imu0/data.csv");
-  const std::vector<Row> points = rows_of(flight + "/radar0/data.csv");
-  const std::string baro = flight + "/baro0/data.csv";
-  const std::vector<Row> pressures = std::ifstream(baro) ? rows_of(baro) : std::vector<Row>{};
   Node node;
   dds::DataWriter* imu_writer = node.writer<sensor_msgs::msg::dds_::Imu_PubSubType>("rt/imu/data");
-  dds::DataWriter* scan_writer =
-      node.writer<sensor_msgs::msg::dds_::PointCloud2_PubSubType>("rt/radar/points");
-  dds::DataWriter* pressure_writer =
-      node.writer<sensor_msgs::msg::dds_::FluidPressure_PubSubType>("rt/pressure");
-  dds::DataWriter* reset_writer =
-      node.writer<std_msgs::msg::dds_::Empty_PubSubType>("rt/rio/reset");
+  std::vector<dds::DataWriter*> writers = {imu_writer};
+  std::vector<Feed> feeds;
+  for (const char* radar : {"/radar0", "/radar1"}) {
+    if (!std::filesystem::exists(flight + radar)) continue;
+    const std::string topic = std::string("rt") + radar + "/points";
+    writers.push_back(node.writer<sensor_msgs::msg::dds_::PointCloud2_PubSubType>(topic.c_str()));
+    feeds.push_back(radar_feed(flight + radar, writers.back()));
+  }
+  if (std::filesystem::exists(flight + "/baro0")) {
+    feeds.push_back(pressure_feed(flight + "/baro0", &node));
+  }
   Listener listener(&node);
   const auto matched = [](dds::DataWriter* writer) {
     dds::PublicationMatchedStatus status;
     writer->get_publication_matched_status(status);
     return status.current_count > 0;
   };
-  for (int i = 0; !(matched(imu_writer) && matched(scan_writer) && listener.matched()); ++i) {
+  for (int i = 0; !(std::all_of(writers.begin(), writers.end(), matched) && listener.matched());
+       ++i) {
     if (i > 200) throw std::runtime_error("rio-ros2 was not found within 20 s");
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
   std::this_thread::sleep_for(std::chrono::milliseconds(300));  // the other topics
   const auto begin = std::chrono::steady_clock::now();
-  std::size_t scan = 0;
-  std::size_t pressure = 0;
   for (const Row& row : imu) {
     std::this_thread::sleep_until(
         begin + Duration(1e-9 * static_cast<double>(row.time - imu[0].time) / speed));
-    while (scan < points.size() && points[scan].time < row.time) {
-      std::size_t end = scan;
-      while (end < points.size() && points[end].time == points[scan].time) ++end;
-      PointCloud2_ message = cloud_of(points, scan, end);
-      scan_writer->write(&message);
-      scan = end;
-    }
-    for (; pressure < pressures.size() && pressures[pressure].time < row.time; ++pressure) {
-      std_msgs::msg::dds_::Empty_ reset;
-      FluidPressure_ message;
-      stamp(&message, pressures[pressure].time, "baro");
-      message.fluid_pressure(pressures[pressure].values[0]);
-      if (message.fluid_pressure() > 0.0) {
-        pressure_writer->write(&message);
-      } else {
-        reset_writer->write(&reset);
-      }
-    }
+    for (Feed& feed : feeds) feed.publish_until(row.time);
     Imu_ message = imu_of(row);
     imu_writer->write(&message);
     (void)listener.print();
