@@ -3,6 +3,7 @@
 import os
 import re
 import subprocess
+import sys
 from pathlib import Path
 
 from setuptools import Extension, setup
@@ -20,7 +21,8 @@ class CMakeBuild(build_ext):
     def build_extension(self, ext: Extension) -> None:
         build = Path(self.build_temp).absolute()
         subprocess.run(
-            ["cmake", "-S", ROOT, "-B", build, "-DCMAKE_BUILD_TYPE=Release", "-DRIO_BUILD_PYTHON=ON",
+            ["cmake", "-S", ROOT, "-B", build, f"-DPython3_EXECUTABLE={sys.executable}",
+             "-DCMAKE_BUILD_TYPE=Release", "-DRIO_BUILD_PYTHON=ON",
              "-DRIO_BUILD_TESTS=OFF", "-DRIO_BUILD_LAB=OFF", "-DRIO_BUILD_EXAMPLES=OFF", "-DRIO_INSTALL=OFF"],
             check=True)
         jobs = os.environ.get("CMAKE_BUILD_PARALLEL_LEVEL", str(os.cpu_count()))

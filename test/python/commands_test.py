@@ -186,6 +186,17 @@ def test_stubs_declare_what_is_there():
         assert signature(there) == signature(declaration), declaration.name
 
 
+def test_pip_builds_for_the_python_it_belongs_to(tmp_path):
+    pytest.importorskip("setuptools")
+    cmake = tmp_path / "cmake"
+    cmake.write_text(f'#!/bin/sh\nprintf "%s\\n" "$@" > {tmp_path}/arguments\nexit 1\n')
+    cmake.chmod(0o755)
+    subprocess.run([sys.executable, "setup.py", "build_ext", "--build-temp", tmp_path, "--build-lib", tmp_path],
+                   cwd=pathlib.Path(os.environ["RIO_PYTHON_EXAMPLES"]).parent, capture_output=True,
+                   env=dict(os.environ, PATH=f"{tmp_path}:{os.environ['PATH']}"))
+    assert f"-DPython3_EXECUTABLE={sys.executable}" in (tmp_path / "arguments").read_text().splitlines()
+
+
 @pytest.mark.skipif(importlib.util.find_spec("mypy") is None, reason="needs the package mypy")
 def test_package_and_examples_are_typed(tmp_path):
     examples = sorted(pathlib.Path(os.environ["RIO_PYTHON_EXAMPLES"]).glob("*.py"))
