@@ -25,12 +25,13 @@ bool ScanHistory::is_repeated(const DetectionList& scan) {
 }
 
 bool ScanHistory::is_ready(Time measured, std::size_t radar, Time now) const {
+  constexpr Time kTogether = std::chrono::milliseconds(2);  // errors of the time offsets
   if (measured > now) return false;
   if (now - measured >= wait_) return true;
   for (std::size_t r = 0; r < radars_; ++r) {
     const OfRadar& other = of_[r];
     const bool heard = other.heard && now - *other.heard < kSilent;
-    if (r != radar && heard && !(other.newest >= measured)) return false;
+    if (r != radar && heard && !(other.newest >= measured - kTogether)) return false;
   }
   return true;
 }

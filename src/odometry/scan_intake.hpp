@@ -123,7 +123,8 @@ class ScanHistory {
     return last && radar == last_radar_ && stamp > *last && estimate == last_estimate_;
   }
   /// The IMU has reached the scan, and no earlier one of another radar is expected: each other
-  /// radar has sent a later one or is silent, or the scan has waited long enough.
+  /// radar has sent a later one, or one of the same instant, or is silent, or the scan has waited
+  /// long enough.
   /// @param now newest sample of the IMU
   bool is_ready(Time measured, std::size_t radar, Time now) const;
 

@@ -219,6 +219,19 @@ TEST(ScanHistory, OfTwoRadarsEachWaitsForTheOther) {
   }
 }
 
+// Of one instant, but for the errors of their time offsets.
+TEST(ScanHistory, TwoRadarsTriggeredTogetherDoNotWait) {
+  ScanHistory history(2, 0.1);
+  const Time first = seconds(1);
+  const Time second = first + milliseconds(1);
+  history.forget(first);
+  history.take(0, first, second);
+  EXPECT_FALSE(history.is_ready(first, 0, second));
+  history.take(1, second, second);
+  EXPECT_TRUE(history.is_ready(first, 0, second));
+  EXPECT_TRUE(history.is_ready(second, 1, second));
+}
+
 TEST(ScanHistory, ASilentRadarIsNotWaitedFor) {
   ScanHistory history(2, 0.1);
   history.forget(milliseconds(0));
