@@ -77,12 +77,16 @@ StampOffset best_stamp_offset(const Trajectory& all_true, const Trajectory& all_
   const bool at_estimates = is_dense(all_true, options.max_gap);
   const Trajectory estimate =
       thinned(all_estimates, at_estimates ? duration / 1000 : Time(milliseconds(40)));
+  std::size_t paired = 0;  // without an offset
   const auto rmse = [&](Time offset) {
     Trajectory moved = estimate;
     for (StampedPose& pose : moved) pose.time -= offset;
     const std::vector<PosePair> pairs =
         associate(truth, moved, options.max_difference, options.max_gap).pairs;
-    if (pairs.size() < 2) return std::numeric_limits<double>::infinity();
+    if (offset == Time(0)) paired = pairs.size();
+    // over a short part of the way any error is small
+    if (pairs.size() < 2 || 4 * pairs.size() < 3 * paired)
+      return std::numeric_limits<double>::infinity();
     return absolute_error(transformed(align_yaw(pairs).transform, pairs)).translation.rmse;
   };
   StampOffset best;

@@ -259,6 +259,14 @@ TEST(StampOffset, IsThatOfTheClockAndNotNeededWithoutOne) {
   EXPECT_FALSE(best_stamp_offset({truth[0]}, estimate).is_needed());
 }
 
+TEST(StampOffset, IsNotSeenAtRest) {
+  Trajectory truth;
+  Trajectory estimate;
+  for (int t = 0; t <= 1000; t += 5) truth.push_back(at(t));
+  for (int t = 20; t <= 950; t += 66) estimate.push_back(at(t, 3e-6 * t));  // drift
+  EXPECT_FALSE(best_stamp_offset(truth, estimate).is_needed());
+}
+
 TEST(StampOffset, IsNotSeenInATruthOfFiveHertz) {
   const auto flown = [](double rate, double noise) {
     Trajectory poses;
