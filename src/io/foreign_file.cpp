@@ -10,6 +10,8 @@ namespace {
 
 using namespace std::string_view_literals;
 
+constexpr auto kBag = "a bag of ROS: rio convert makes a folder of it, which is read"sv;
+
 constexpr struct {
   std::string_view begin;  ///< in small letters
   std::string_view what;
@@ -25,6 +27,9 @@ constexpr struct {
     {"pk\3\4"sv, "a zip archive or a spreadsheet: unpack it, or save it as CSV"sv},
     {"7z\xBC\xAF"sv, "a 7z archive: unpack it first"sv},
     {"rar!"sv, "a rar archive: unpack it first"sv},
+    {"#rosbag v2"sv, kBag},
+    {"\x89mcap0"sv, kBag},
+    {"sqlite format 3"sv, kBag},
     {"#rosbag v1"sv, "a bag older than version 2.0: rosbag fix it first"sv},
     {"#rosrecord v"sv, "a bag older than version 2.0: rosbag fix it first"sv},
     {"\2\1\4\3\6\5\b\7"sv,

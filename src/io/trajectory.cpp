@@ -71,7 +71,7 @@ Trajectory read_tum(const std::filesystem::path& path, TumOrder order, Attitude 
       pose.q = attitude_at(rows, i + 3);
     }
     if (order == TumOrder::kStrict && !trajectory.empty() && pose.time <= trajectory.back().time) {
-      rows.fail("time does not increase");
+      rows.fail("time does not increase: rows to be sorted, or two paths in one file");
     }
     trajectory.push_back(pose);
   }
