@@ -111,14 +111,8 @@ void write_rows(const fs::path& folder, std::string text, const std::vector<Samp
   write_file(folder / kData, text);
 }
 
-bool has_sigmas(const RadarDetection& d) {
-  return d.sigma_range + d.sigma_azimuth + d.sigma_elevation + d.sigma_doppler > 0.0;
-}
-
 void write_scans(const fs::path& folder, const std::vector<RadarScan>& scans) {
-  const bool sigmas = std::any_of(scans.begin(), scans.end(), [](const RadarScan& scan) {
-    return std::any_of(scan.detections.begin(), scan.detections.end(), has_sigmas);
-  });
+  const bool sigmas = has_sigmas(scans);
   std::string text = radar_header(sigmas);
   for (const RadarScan& scan : scans) text += radar_rows(scan, sigmas);
   write_file(folder / kData, text);
@@ -148,6 +142,14 @@ TextFile begin_file(const fs::path& folder, const std::string& header) {
 }
 
 }  // namespace
+
+bool has_sigmas(const std::vector<RadarScan>& scans) {
+  return std::any_of(scans.begin(), scans.end(), [](const RadarScan& scan) {
+    return std::any_of(scan.detections.begin(), scan.detections.end(), [](const auto& d) {
+      return d.sigma_range + d.sigma_azimuth + d.sigma_elevation + d.sigma_doppler > 0.0;
+    });
+  });
+}
 
 void write_dataset(const fs::path& path, const Dataset& dataset) {
   const std::size_t others = dataset.other_radars.size();

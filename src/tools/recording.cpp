@@ -14,6 +14,7 @@
 #include "rio/bag/recording.hpp"
 #include "rio/bag/recording_writer.hpp"
 #include "rio/bag/summary.hpp"
+#include "rio/io/dataset_stream.hpp"
 #include "rio/io/options_yaml.hpp"
 #include "rio/io/scan_folder.hpp"
 #include "rio/io/units.hpp"
@@ -150,13 +151,15 @@ void write_mcap(const fs::path& out, const io::Dataset& dataset) {
 void print_what_is_left_out(const std::string& out, const std::string& source,
                             const io::Dataset& dataset) {
   std::string radars = dataset.other_radars.empty() ? "" : " --radar /radar0";
+  bool sigmas = io::has_sigmas(dataset.scans);
   for (std::size_t r = 1; r <= dataset.other_radars.size(); ++r) {
     radars += fmt::format(",/radar{}", r);
+    sigmas = sigmas || io::has_sigmas(dataset.other_radars[r - 1].scans);
   }
   fmt::print(
-      "Not in the bag: mounting and noise, which `rio replay {} --sensors {}{}` takes{}{}.\n", out,
-      source, radars, dataset.ground_truth.empty() ? "" : "; the ground truth",
-      dataset.baro.empty() ? "" : "; the barometer");
+      "Not in the bag: mounting and noise, which `rio replay {} --sensors {}{}` takes{}{}{}.\n",
+      out, source, radars, dataset.ground_truth.empty() ? "" : "; the ground truth",
+      dataset.baro.empty() ? "" : "; the barometer", sigmas ? "; the sigmas of single points" : "");
 }
 
 /// Properties missing in every ROS recording.
@@ -190,6 +193,14 @@ OpenRecording open_any(const std::string& path, const RecordingArguments& argume
   out.sensors = out.samples->outline().sensors;
   take_settings(arguments, &out.sensors);
   return out;
+}
+
+std::string scans_text(const io::Dataset& dataset) {
+  std::string text = std::to_string(dataset.scans.size());
+  for (const io::Dataset::OtherRadar& other : dataset.other_radars) {
+    text += fmt::format(" + {}", other.scans.size());
+  }
+  return text + " scans";
 }
 
 void throw_damage(const std::string& damage) {
@@ -226,8 +237,8 @@ void convert(const ConvertArguments& arguments) {
   } else {
     io::write_dataset(out, dataset);
   }
-  fmt::print("Written to {}: {} IMU samples, {} scans.\n", out.string(), dataset.imu.size(),
-             dataset.scans.size());
+  fmt::print("Written to {}: {} IMU samples, {}.\n", out.string(), dataset.imu.size(),
+             scans_text(dataset));
   if (to_bag)
     print_what_is_left_out(out.string(), is_folder ? arguments.recording : "FOLDER", dataset);
   if (!to_bag && !is_folder) print_what_is_missing(out, dataset.radar_info.T_BS.has_value());

@@ -25,6 +25,9 @@ struct OpenRecording {
 OpenRecording open_any(const std::string& path, const RecordingArguments& arguments,
                        bool truth = false);
 
+/// "750 scans", of several radars "750 + 749 scans".
+std::string scans_text(const io::Dataset& dataset);
+
 /// Throws the damage of a recording, if any: the readable part has been used by then.
 void throw_damage(const std::string& damage);
 

@@ -17,6 +17,7 @@
 #include "live/player.hpp"
 #include "outputs.hpp"
 #include "progress.hpp"
+#include "recording.hpp"
 #include "rio/io/simulation.hpp"
 #include "rio/sim/catalogue.hpp"
 #include "rio/sim/flight.hpp"
@@ -113,7 +114,8 @@ void write(const fs::path& out, const sim::Flight& flight, const io::Dataset& da
   if (flight.scenario.errors.starts_wrongly()) write_text(start, start_text(flight));
 }
 
-void print_summary(const SimulateArguments& arguments, const sim::Flight& flight) {
+void print_summary(const SimulateArguments& arguments, const sim::Flight& flight,
+                   const io::Dataset& dataset) {
   std::map<sim::Cause, std::size_t> counts;
   std::size_t detections = 0;
   for (const auto& scan : flight.labels) {
@@ -130,11 +132,11 @@ void print_summary(const SimulateArguments& arguments, const sim::Flight& flight
   }
   const double seconds = to_seconds(flight.truth.back().time - flight.truth.front().time);
   fmt::print(
-      "{}: {}, seed {}, {:.1f} m in {:.1f} s at up to {:.2f} m/s, {} IMU samples, {} scans, "
-      "{} detections",
+      "{}: {}, seed {}, {:.1f} m in {:.1f} s at up to {:.2f} m/s, {} IMU samples, {}, "
+      "{} detections{}",
       arguments.out, arguments.scenario.empty() ? "default" : arguments.scenario,
-      flight.scenario.seed, length, seconds, top_speed, flight.imu.size(), flight.scans.size(),
-      detections);
+      flight.scenario.seed, length, seconds, top_speed, flight.imu.size(), scans_text(dataset),
+      detections, dataset.other_radars.empty() ? "" : " of radar0");
   const char* separator = ": ";
   for (const auto& [cause, count] : counts) {
     fmt::print("{}{:.1f} % {}", separator,
@@ -229,7 +231,7 @@ void run_simulate(const SimulateArguments& arguments) {
 
 void simulate(const SimulateArguments& arguments) {
   const auto [flight, dataset] = fly_and_write(arguments);
-  print_summary(arguments, flight);
+  print_summary(arguments, flight, dataset);
   if (flight.scenario.radar.latency > 0.0) {
     fmt::print("note: a recording holds stamps only, radar.latency acts in experiments\n");
   }

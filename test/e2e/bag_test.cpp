@@ -214,7 +214,14 @@ TEST_F(Bag, FolderAsMcapHoldsWhatTheFolderHolds) {
   fs::copy(copy("two") / "radar0", file("two/radar1"));
   const std::string how =
       file("two.mcap") + " --sensors " + file("two") + " --radar /radar0,/radar1";
-  rio("convert " + file("two") + " " + file("two.mcap"), {"`rio replay " + how + "`"});
+  const std::string each = std::to_string(scans());
+  expect_none(rio("convert " + file("two") + " " + file("two.mcap"),
+                  {"`rio replay " + how + "`", each + " + " + each + " scans"})
+                  .output,
+              {"sigmas"});
+  rio("convert " + changed("sigmas", "radar0/data.csv", "$8 = $9 = $10 = $11 = 0.1") + " " +
+          file("sigmas.mcap"),
+      {"; the ground truth; the sigmas of single points"});
   rio("replay " + how + " --no-check --quiet --out " + file("two.tum"));
 }
 

@@ -45,7 +45,7 @@ TEST_F(Tool, ScenarioFileOfAFlightReproducesIt) {
 
 /// Their scans share instants: one line of the trajectory for each.
 TEST_F(Tool, SeveralRadarsOfOneFlight) {
-  rio("simulate " + file("two") + " --length 20 --radars 2");
+  rio("simulate " + file("two") + " --length 20 --radars 2", {" + ", " scans, ", " of radar0: "});
   const Json json = rio("replay " + file("two") + " --json --out " + file("two.tum") +
                         " --states " + file("two.csv"))
                         .json();

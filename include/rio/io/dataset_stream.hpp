@@ -12,6 +12,9 @@
 
 namespace rio::io {
 
+/// Whether a detection has sigmas of its own.
+bool has_sigmas(const std::vector<RadarScan>& scans);
+
 /// Reads back identically, to the last bit. All functions throw std::runtime_error if a file cannot
 /// be written.
 class DatasetStream {
