@@ -70,8 +70,12 @@ eval::Trajectory truth_for_view(const ReplayArguments& arguments, const OpenReco
 view::RunStart run_start(const ReplayArguments& arguments, const OpenRecording& recording,
                          const Options& options, const std::string& source) {
   const std::string name = named(arguments.dataset).filename().string();
-  return {name, options, truth_for_view(arguments, recording), source != "groundtruth",
-          RIO_VERSION};
+  return {name,
+          options,
+          truth_for_view(arguments, recording),
+          source != "groundtruth",
+          RIO_VERSION,
+          recording.samples->outline().imu_begin};
 }
 
 /// Feeds the samples in the order of their stamps. At most one scan of a single radar waits for the
@@ -94,6 +98,7 @@ class Replay {
     odometry_ = Odometry::create(used, &why);
     if (odometry_ == nullptr) throw std::runtime_error(why);
     odometry_->on_scan([this] { record(); });
+    summary_.health.add(outline_.imu_begin, odometry_->health());
     summary_.initialised_by = start_ ? start_->source : "static";
     if (view->any()) view->begin(run_start(arguments, recording, used, summary_.initialised_by));
     if (start_) begin(*start_);

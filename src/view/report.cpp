@@ -109,7 +109,7 @@ void ReportBuilder::begin(const RunStart& start) {
 
 void ReportBuilder::add(const Odometry& odometry, const std::vector<Event>& events) {
   const NavState& x = odometry.at_scan();
-  if (!begun_) page_.begin = x.time;
+  if (!begun_) page_.begin = start_.begin.value_or(x.time);
   begun_ = true;
   const double seconds = to_seconds(x.time - page_.begin);
   page_.columns.start_row(seconds);
@@ -241,8 +241,12 @@ void ReportBuilder::add_truth(const Odometry& odometry, double seconds) {
   last_truth_ = there.p;
   page_.paths[1].add(seconds, there.p);
   const Vector3d error = here.p - there.p;
+  if (time != error_time_) {  // of several updates at one instant the last one counts
+    ++instants_;
+    squares_ += last_error_ * last_error_;
+    error_time_ = time;
+  }
   last_error_ = error.norm();
-  squares_ += error.squaredNorm();
   set_vector(&page_.columns, "e", error, sigma_of(odometry.covariance(), body::kPosition));
   page_.columns.set("e.yaw", eval::yaw_error({there, here}));
   page_.columns.set("se.yaw", yaw_sigma_);
@@ -280,8 +284,8 @@ void ReportBuilder::finish_histogram() {
 void ReportBuilder::close() {
   finish_histogram();
   std::erase_if(page_.paths, [](const Path& path) { return path.times.empty(); });
-  const std::size_t pairs = page_.paths.size() > 1 ? page_.paths[1].times.size() : 0;
-  if (pairs == 0) return;
+  if (instants_ == 0) return;
+  const double sum = squares_ + last_error_ * last_error_;
   page_.card.push_back(
       {"Error at the end",
        fmt::format("{:.3f} m{}", last_error_,
@@ -291,7 +295,7 @@ void ReportBuilder::close() {
                        : "")});
   page_.card.push_back(
       {"Position error (RMSE)",
-       fmt::format("{:.3f} m{}", std::sqrt(squares_ / static_cast<double>(pairs)),
+       fmt::format("{:.3f} m{}", std::sqrt(sum / static_cast<double>(instants_)),
                    start_.lay_truth_over ? ", truth laid over the first pose" : "")});
 }
 

@@ -39,9 +39,11 @@ class ReportBuilder : public RunSink {
   std::size_t next_truth_ = 1;  ///< first true pose after the newest scan
   std::optional<Pose> over_;    ///< lays the truth over the estimate
   Vector3d last_truth_ = Vector3d::Zero();
-  double truth_length_ = 0.0;                                     ///< [m]
-  double last_error_ = 0.0;                                       ///< [m]
-  double squares_ = 0.0;                                          ///< of the position errors [m^2]
+  double truth_length_ = 0.0;      ///< [m]
+  Time error_time_ = Time::min();  ///< of the newest one
+  double last_error_ = 0.0;        ///< [m]
+  double squares_ = 0.0;           ///< of the position errors before it [m^2]
+  std::size_t instants_ = 0;       ///< with a position error
   std::map<std::string, std::pair<double, double>> calibration_;  ///< newest value and sigma
   std::map<int, std::uint64_t> rates_;  ///< range rates by bins of rate_bin()
 };

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -61,6 +62,7 @@ struct RunStart {
   eval::Trajectory truth;      ///< empty: not known
   bool lay_truth_over = true;  ///< not started from the truth: worlds differ by heading and origin
   std::string version;
+  std::optional<Time> begin{};  ///< of the recording: zero of a page; else the first scan
 };
 
 /// Follows a run as it goes on.

@@ -134,6 +134,9 @@ TEST_F(Tool, TheVerdictSaysWhatIsWrongAndSince) {
               "if (!first) first = $1; if ($1 - first > 10e9 && $1 - first < 12e9) next");
   const Outcome run = rio("replay " + flight);
   EXPECT_EQ(run.last_line().rfind("verdict: doubtful: radar silent for 1.", 0), 0U) << run.output;
+  // of the recording, whatever the start
+  rio("replay " + flight + " --init static --report " + file("since.html"), {", first at 11."});
+  expect_parts(text_of(file("since.html")), {"\"events\":[{\"t\":1.55"});
   const Json health = rio("replay " + flight + " --json").json()["health"];
   EXPECT_EQ(health["state"], "ok");
   EXPECT_NEAR(health["seconds"]["dead reckoning"].get<double>(), 1.0, 0.3);

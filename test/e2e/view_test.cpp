@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <iomanip>
 #include <map>
 #include <set>
 #include <sstream>
@@ -146,7 +147,12 @@ TEST_F(Tool, ThePageShowsWhatIsEstimated) {
 TEST_F(Tool, ThePageShowsTheCalibrationOfEachRadarWithoutGaps) {
   const std::string folder = file("two");
   rio("simulate " + folder + " --seed 3 --length 20 --radars 2");
-  rio("replay " + folder + " --no-check --report " + file("two.html"));
+  rio("replay " + folder + " --no-check --out " + file("two.tum") + " --report " +
+      file("two.html"));
+  std::ostringstream rmse;  // a pose each instant, as in the trajectory
+  rmse << std::fixed << std::setprecision(3) << path_error(folder, file("two.tum"));
+  expect_parts(text_of(file("two.html")),
+               {"<dt>Position error (RMSE)</dt><dd>" + rmse.str() + " m</dd>"});
   const Json data = data_of(file("two.html"));
   for (const char* name : {"sradar_rotation_x", "sradar1_rotation_x"}) {
     const std::vector<float> sigma = column_of(data, name);
