@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -28,10 +29,13 @@ struct Box {
   double bottom() const { return top + height; }
 };
 
-/// Text with the characters that XML reserves replaced.
+/// Text with the characters that XML reserves replaced, and U+FFFD for bytes that are not UTF-8.
 inline std::string escaped(const std::string& text) {
+  using Json = nlohmann::json;
+  const std::string quoted = Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
+  const auto valid = Json::parse(quoted).get<std::string>();
   std::string result;
-  for (const char c : text) {
+  for (const char c : valid) {
     result += c == '&'   ? "&amp;"
               : c == '<' ? "&lt;"
               : c == '>' ? "&gt;"
@@ -47,6 +51,12 @@ inline std::string fixed(double value, int decimals) {
   std::snprintf(text, sizeof text, "%.*f", decimals, value);
   const bool negative_zero = text[0] == '-' && std::strpbrk(text, "123456789") == nullptr;
   return text + (negative_zero ? 1 : 0);
+}
+
+/// The same with its sign, of zero a plus.
+inline std::string signed_fixed(double value, int decimals) {
+  const std::string text = fixed(value, decimals);
+  return text[0] == '-' ? text : "+" + text;
 }
 
 struct Stroke {

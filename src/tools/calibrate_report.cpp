@@ -7,6 +7,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "json_line.hpp"
 #include "view/calibration_names.hpp"
 
 namespace rio::tools {
@@ -188,7 +189,7 @@ std::string CalibrateReport::json() const {
                     {"recordings", recordings},
                     {"notes", notes},
                     {"written", written}};
-  return all.dump();
+  return json_line(all);
 }
 
 }  // namespace rio::tools

@@ -14,7 +14,9 @@
 #include "commands.hpp"
 #include "estimator_options.hpp"
 #include "evaluate.hpp"
+#include "json_line.hpp"
 #include "outputs.hpp"
+#include "plot/svg.hpp"
 #include "rio/bag/message_stream.hpp"
 #include "rio/bag/recording.hpp"
 #include "rio/eval/evaluation.hpp"
@@ -52,10 +54,10 @@ nlohmann::ordered_json to_json(const AngleError& error) {
   return {{"rmse", error.rmse}, {"final", error.final}, {"max", error.max}};
 }
 
-/// `value` in `width` characters, "-" if undefined.
+/// `value` in `width` characters, a blank and more if it is longer; "-" if undefined.
 std::string cell(double value, int width, int digits) {
-  return std::isnan(value) ? fmt::format("{:>{}}", "-", width)
-                           : fmt::format("{:{}.{}f}", value, width, digits);
+  const std::string text = std::isnan(value) ? "-" : plot::fixed(value, digits);
+  return width == 0 ? text : fmt::format(" {:>{}}", text, width - 1);
 }
 
 std::string rmse_and_median(const Statistics& s, int digits) {
@@ -142,7 +144,7 @@ std::string evaluation_json(const EvaluateArguments& arguments, const std::strin
   if (!std::isnan(arguments.mae_at)) {
     json["norm_of_mae_at"] = {{"distance_m", arguments.mae_at}, {"value_m", e.norm_of_mae_at}};
   }
-  return json.dump();
+  return json_line(json);
 }
 
 eval::EvaluationOptions options_of(const EvaluateArguments& arguments) {

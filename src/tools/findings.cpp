@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "estimator_options.hpp"
+#include "json_line.hpp"
 #include "recording.hpp"
 #include "replay_feed.hpp"
 
@@ -115,7 +116,7 @@ void check_recording(const CheckArguments& arguments) {
     const nlohmann::ordered_json all = {{"verdict", to_string(worst(findings))},
                                         {"findings", findings_json(findings)},
                                         {"options", options}};
-    fmt::print("{}\n", all.dump());
+    fmt::print("{}\n", json_line(all));
   } else {
     for (const Finding& f : findings) {
       fmt::print("{:<9} {}: {}.\n", to_string(f.verdict), f.subject, f.text);

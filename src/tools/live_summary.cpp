@@ -8,6 +8,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "json_line.hpp"
+
 namespace rio::tools {
 
 namespace {
@@ -186,7 +188,7 @@ std::string LiveSummary::json() const {
                  {"imu_problem", imu_problem_},
                  {"odometry_sent", odometry_sent_},
                  {"radars", radars}};
-  return all.dump();
+  return json_line(all);
 }
 
 }  // namespace rio::tools

@@ -10,6 +10,8 @@
 #include <numeric>
 
 #include "findings.hpp"
+#include "json_line.hpp"
+#include "plot/svg.hpp"
 
 namespace rio::tools {
 
@@ -120,6 +122,11 @@ bool ReplaySummary::is_absurd() const {
   return fastest > kSound || farthest > kSound * to_seconds(span);
 }
 
+double ReplaySummary::height_nis() const {
+  const ModelReport& aiding = models[static_cast<std::size_t>(Model::kAiding)];
+  return aiding.nis / std::max(1, aiding.rows_used);
+}
+
 std::string ReplaySummary::json() const {
   Json by_model;
   for (std::size_t i = 0; i < kModelCount; ++i) {
@@ -154,9 +161,14 @@ std::string ReplaySummary::json() const {
       {"path_length_m", path_length},
       {"counters", counted},
   };
+  if (height_offset) {
+    all["barometer"] = {{"offset_m", height_offset->value[0]},
+                        {"sigma_m", std::sqrt(height_offset->covariance(0, 0))},
+                        {"nis", height_nis()}};
+  }
   if (data) all["data"] = findings_json(*data);
   if (data && checked_seconds) all["data_checked_s"] = *checked_seconds;
-  return all.dump();
+  return json_line(all);
 }
 
 std::string ReplaySummary::text() const {
@@ -164,19 +176,19 @@ std::string ReplaySummary::text() const {
   const Statistics propagation = statistics(propagation_ms);
   std::string out = fmt::format(
       "{} scans, {} with an update; start: {}\n"
-      "path {:.2f} m, first to last position {:.3f} m, end at [{:.3f} {:.3f} {:.3f}] m\n",
+      "path {:.2f} m, first to last position {:.3f} m, end at [{} {} {}] m\n",
       scans, updates, initialised_by, path_length, (last_position - first_position).norm(),
-      last_position.x(), last_position.y(), last_position.z());
+      plot::fixed(last_position.x(), 3), plot::fixed(last_position.y(), 3),
+      plot::fixed(last_position.z(), 3));
   for (std::size_t i = 0; i < kModelCount; ++i) {
     if (models[i].rows_used + models[i].rows_gated == 0) continue;
     out += fmt::format("{}: {} rows used, {} gated\n", to_string(model_at(i)), models[i].rows_used,
                        models[i].rows_gated);
   }
   if (height_offset) {
-    const ModelReport& aiding = models[static_cast<std::size_t>(Model::kAiding)];
-    out += fmt::format("barometer: offset {:+.2f} +- {:.2f} m at the end, NIS {:.2f} a row\n",
-                       height_offset->value[0], std::sqrt(height_offset->covariance(0, 0)),
-                       aiding.nis / std::max(1, aiding.rows_used));
+    out += fmt::format("barometer: offset {} +- {:.2f} m at the end, NIS {:.2f} a row\n",
+                       plot::signed_fixed(height_offset->value[0], 2),
+                       std::sqrt(height_offset->covariance(0, 0)), height_nis());
   }
   out += fmt::format(
       "update {:.3f} ms mean, {:.3f} p99, {:.3f} max; propagation {:.3f} ms mean; {:.0f} x real "
@@ -184,8 +196,9 @@ std::string ReplaySummary::text() const {
       update.mean, update.p99, update.max, propagation.mean, realtime_factor(*this));
 
   for (const auto& [name, unit, scale, c, check] : calibration_lines(calibration)) {
-    out += fmt::format("{}: {:+.2f} {} +- {:.2f} (prior {:.2f}), {}\n", name, scale * c.value, unit,
-                       scale * c.sigma, scale * c.prior_sigma, to_string(c.observability));
+    out += fmt::format("{}: {} {} +- {:.2f} (prior {:.2f}), {}\n", name,
+                       plot::signed_fixed(scale * c.value, 2), unit, scale * c.sigma,
+                       scale * c.prior_sigma, to_string(c.observability));
     if (!check.empty()) out += fmt::format("  check {}\n", check);
   }
 

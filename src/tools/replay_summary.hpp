@@ -48,6 +48,9 @@ struct ReplaySummary {
   /// Faster than sound, or farther away than sound would be.
   bool is_absurd() const;
 
+  /// Mean NIS of a height of the barometer.
+  double height_nis() const;
+
   /// One line of JSON.
   std::string json() const;
   /// Some lines of text.

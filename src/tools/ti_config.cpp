@@ -7,6 +7,7 @@
 #include <string>
 
 #include "commands.hpp"
+#include "json_line.hpp"
 #include "live_ports.hpp"
 #include "rio/ti/config.hpp"
 
@@ -75,7 +76,7 @@ void print_json(bool known, const ConfigFigures& f, std::size_t points,
                                {"change", finding.change}});
   }
   // replaces invalid UTF-8 of the file
-  fmt::print("{}\n", all.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  fmt::print("{}\n", json_line(all));
 }
 
 }  // namespace

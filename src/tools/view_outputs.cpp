@@ -38,9 +38,15 @@ void fill_card(const ReplaySummary& summary, view::Page* page) {
   }
   for (const auto& [name, unit, scale, c, check] : calibration_lines(summary.calibration)) {
     card.push_back({view::title_of(name),
-                    fmt::format("{:+.2f} {} ± {:.2f}, {}", scale * c.value, unit, scale * c.sigma,
-                                to_string(c.observability)),
+                    fmt::format("{} {} ± {:.2f}, {}", plot::signed_fixed(scale * c.value, 2), unit,
+                                scale * c.sigma, to_string(c.observability)),
                     check.empty() ? advice(c) : "check " + check});
+  }
+  if (summary.height_offset) {
+    card.push_back({"Barometer", fmt::format("offset {} m ± {:.2f}, NIS {:.2f} a row",
+                                             plot::signed_fixed(summary.height_offset->value[0], 2),
+                                             std::sqrt(summary.height_offset->covariance(0, 0)),
+                                             summary.height_nis())});
   }
   page->card = std::move(card);
   if (!summary.data || summary.data->empty()) return;

@@ -12,6 +12,7 @@
 
 #include "commands.hpp"
 #include "live/session.hpp"
+#include "plot/svg.hpp"
 #include "replay_summary.hpp"
 #include "rio/io/trajectory.hpp"
 #include "view/messages.hpp"
@@ -79,10 +80,11 @@ class ScanOutputs {
       gated += model.rows_gated;
     }
     fmt::print(
-        "{:9.3f} s  position {:8.3f} {:8.3f} {:8.3f} m  speed {:6.3f} m/s  points {:3} static {:3} "
+        "{:9.3f} s  position {:>8} {:>8} {:>8} m  speed {:6.3f} m/s  points {:3} static {:3} "
         " rows {:3} gated {:3}\n",
-        to_seconds(state.time - begin_), state.p_WB.x(), state.p_WB.y(), state.p_WB.z(),
-        state.v_WB.norm(), report.detections_kept, report.static_detections, used, gated);
+        to_seconds(state.time - begin_), plot::fixed(state.p_WB.x(), 3),
+        plot::fixed(state.p_WB.y(), 3), plot::fixed(state.p_WB.z(), 3), state.v_WB.norm(),
+        report.detections_kept, report.static_detections, used, gated);
   }
 
   Time begin_;

@@ -167,6 +167,11 @@ TEST_F(Bag, TruthAndBarometerOfABagAreThoseOfItsFolder) {
     rio("replay " + file("of_truth") + how + file("b.tum"));
     EXPECT_EQ(dir_->read("a.tum"), dir_->read("b.tum"));
   }
+  const std::string replay = "replay " + bag + " --config " + file("mounting.yaml");
+  const Json json = rio(replay + " --barometer --json --report " + file("baro.html")).json();
+  EXPECT_GT(json["barometer"]["sigma_m"], 0.0);
+  EXPECT_GT(json["barometer"]["nis"], 0.0);
+  expect_parts(text_of(file("baro.html")), {"<dt>Barometer</dt><dd>offset "});
   const double error = path_error(bag, file("a.tum"), " --align yaw --truth /truth");
   EXPECT_NEAR(error, path_error(flight_, file("a.tum"), " --align yaw"), 1e-6);
   EXPECT_LT(error, 0.5);

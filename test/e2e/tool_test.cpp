@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The `rio` program as a user runs it: replay, evaluate, plot, options; and a real recording where
-// there is one. `rio simulate` is in simulate_test.cpp, damaged input in files_test.cpp.
+// The `rio` program as a user runs it: replay, options; and a real recording where there is one.
+// `rio evaluate` is in evaluate_test.cpp, `rio simulate` in simulate_test.cpp, damaged input in
+// files_test.cpp.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -64,35 +65,6 @@ TEST_F(Tool, ReplaysEveryScanIntoEveryOutput) {
     EXPECT_EQ(error["associated"], scans());
     EXPECT_LT(error["norm_of_rmse_m"], 0.5);
   }
-}
-
-TEST_F(Tool, EvaluatesAgainstPositionsAlone) {
-  rio("replay " + flight_ + " --quiet --out " + file("path.tum"));
-  std::ofstream positions(file("positions.txt"));
-  for (const std::string& line : lines_of(file("path.tum"))) {
-    std::istringstream cells(line);
-    std::string t, x, y, z;
-    cells >> t >> x >> y >> z;
-    positions << t << ' ' << x << ' ' << y << ' ' << z << '\n';
-  }
-  positions.close();
-  const std::string against = "evaluate " + file("positions.txt") + " " + file("path.tum");
-  rio(against, {"note: the truth holds positions alone", "tilt error            - deg rmse"});
-  const Json error = rio(against + " --json").json();
-  EXPECT_EQ(error["norm_of_rmse_m"], 0.0);
-  EXPECT_TRUE(error["yaw_error_deg"]["rmse"].is_null());
-  fails(1, against + " --align origin", {"the truth has no attitude: align by yaw or se3"});
-
-  const std::string both = " " + file("path.tum") + " " + file("path.tum");
-  rio("compare" + both + " --truth " + file("positions.txt") + " --report " + file("c.html"),
-      {"path | 0.00 | 0.000 | 0.000 | - | - | - |"});
-  const std::string page = text_of(file("c.html"));
-  EXPECT_NE(page.find("Position error"), std::string::npos);
-  EXPECT_EQ(page.find("Yaw error"), std::string::npos);
-  rio("plot --truth " + file("positions.txt") + " " + file("path.tum") + " --out " + file("p.svg"));
-  const std::string drawing = text_of(file("p.svg"));
-  EXPECT_NE(drawing.find("Position error"), std::string::npos);
-  EXPECT_EQ(drawing.find("Yaw error"), std::string::npos);
 }
 
 TEST_F(Tool, ReplaysWithEitherBackEnd) {
@@ -253,13 +225,6 @@ TEST_F(Tool, EveryCommandWithAnOptionFileSaysWhatItOverrides) {
 
 TEST_F(Tool, PageOfPresetsIsWhatTheProgramSays) {
   expect_parts(text_of(RIO_SOURCE_DIR "/data/presets.md"), {rio("options --compare").output});
-}
-
-TEST_F(Tool, PlotsAPicture) {
-  rio("replay " + flight_ + " --quiet --out " + file("p.tum"));
-  rio("plot " + file("p.tum") + " --truth " + flight_ + " --out " + file("p.svg"));
-  expect_parts(dir_->read("p.svg"), {"</svg>"});
-  expect_none(dir_->read("p.svg"), {"nan"});
 }
 
 TEST_F(Tool, BenchMeasuresEveryPresetWithEitherBackEnd) {
