@@ -232,7 +232,7 @@ std::vector<NavState> read_truth(const fs::path& path, bool positions, const std
   }
   const std::string& name = found[0]->role.name;
   if (found.size() > 1) {
-    sources.fail("several topics with {}, {} and {}; choose with --truth-topic",
+    sources.fail("several topics with {}, {} and {}; choose with --truth-topic, or --topic",
                  found[0]->role.type == kPointType ? "positions" : "poses", name,
                  found[1]->role.name);
   }

@@ -73,7 +73,7 @@ PathArrays read_path(const std::string& file, bool truth) {
   eval::Trajectory path;
   {
     const py::gil_scoped_release release;
-    path = truth ? tools::truth_of(file, {}, io::Attitude::kOptional) : io::read_trajectory(file);
+    path = tools::path_of(file, {}, truth ? io::Attitude::kOptional : io::Attitude::kRequired);
   }
   std::vector<std::int64_t> times;
   std::vector<std::array<double, 3>> positions;

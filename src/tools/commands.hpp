@@ -167,6 +167,7 @@ struct EvaluateArguments {
   std::string truth;
   std::string truth_topic;  ///< if that is a bag
   std::vector<std::string> estimates;
+  std::string topic;  ///< of those that are bags
   std::string align = "none";
   double max_diff = 0.01;
   double mae_at = std::numeric_limits<double>::quiet_NaN();
@@ -175,9 +176,9 @@ struct EvaluateArguments {
 };
 void evaluate(const EvaluateArguments& arguments);
 /// Of any file or folder, or of a bag.
-/// @param topic of a bag; empty: the only one
-eval::Trajectory truth_of(const std::string& path, const std::string& topic,
-                          io::Attitude attitude = io::Attitude::kRequired);
+/// @param topic of a bag; empty: the only one; an error if it is no bag
+eval::Trajectory path_of(const std::string& path, const std::string& topic,
+                         io::Attitude attitude = io::Attitude::kRequired);
 /// False of positions alone, and of nothing.
 bool has_attitude(const eval::Trajectory& path);
 
@@ -200,6 +201,7 @@ void compare(const CompareArguments& arguments);
 /// `rio plot`: paths, heights and errors as a picture.
 struct PlotArguments {
   std::vector<std::string> estimates;
+  std::string topic;  ///< of those that are bags
   std::vector<std::string> labels;
   std::string truth;
   std::string truth_topic;  ///< if that is a bag

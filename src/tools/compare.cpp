@@ -111,8 +111,13 @@ std::vector<Run> runs_of(const CompareArguments& arguments) {
     (void)io::flown_options(variant.second, {}, {}, &ignored);
   }
   const bool any = std::any_of(arguments.runs.begin(), arguments.runs.end(), is_recording);
-  if (!any && (variants.size() > 1 || !variants.front().first.empty())) {
-    throw std::runtime_error("presets, back-ends and settings need a recording among the runs");
+  const EstimatorArguments& given = arguments.estimator;
+  const bool flies = !variants.front().first.empty() || !given.config.empty() ||
+                     !given.set.empty() || !arguments.init.empty() ||
+                     arguments.how != RecordingArguments{};
+  if (!any && flies) {
+    throw std::runtime_error(
+        "presets, back-ends, settings, starts and sensors need a recording among the runs");
   }
   const std::vector<std::string> labels = default_labels(arguments.runs);
   for (std::size_t i = 0; i < labels.size(); ++i) {
@@ -143,14 +148,20 @@ std::vector<Run> runs_of(const CompareArguments& arguments) {
 /// The given truth, or that of the first recording that has one.
 eval::Trajectory common_truth(const CompareArguments& arguments) {
   if (!arguments.truth.empty())
-    return truth_of(arguments.truth, arguments.truth_topic, io::Attitude::kOptional);
+    return path_of(arguments.truth, arguments.truth_topic, io::Attitude::kOptional);
+  std::string why;
   for (const std::string& path : arguments.runs) {
     if (!is_recording(path)) continue;
     try {
-      return truth_of(path, arguments.truth_topic, io::Attitude::kOptional);
-    } catch (const std::runtime_error&) {  // it has none
+      return path_of(path, arguments.truth_topic, io::Attitude::kOptional);
+    } catch (const std::runtime_error& error) {
+      why = error.what();
     }
   }
+  if (!arguments.truth_topic.empty()) {
+    throw std::runtime_error(why.empty() ? "--truth-topic: no run is a recording" : why);
+  }
+  if (!why.empty()) print_notes({"no truth is known: " + why});
   return {};
 }
 
@@ -269,6 +280,7 @@ void compare(const CompareArguments& arguments) {
   std::vector<std::string> inputs = arguments.runs;
   inputs.push_back(arguments.truth);
   protect_inputs(inputs, {arguments.report});
+  expect_folder(arguments.report);
   const eval::Trajectory truth = common_truth(arguments);
   std::vector<Run> runs = runs_of(arguments);
   std::vector<NamedPath> paths;

@@ -17,11 +17,11 @@
 #include "json_line.hpp"
 #include "outputs.hpp"
 #include "plot/svg.hpp"
+#include "recording.hpp"
 #include "rio/bag/message_stream.hpp"
 #include "rio/bag/recording.hpp"
 #include "rio/eval/evaluation.hpp"
 #include "rio/io/trajectory.hpp"
-#include "rio/io/units.hpp"
 
 namespace rio::tools {
 
@@ -53,6 +53,8 @@ nlohmann::ordered_json to_json(const RelativeError& error) {
 nlohmann::ordered_json to_json(const AngleError& error) {
   return {{"rmse", error.rmse}, {"final", error.final}, {"max", error.max}};
 }
+
+constexpr double kOtherAxes = 45.0;  // beyond what an estimate that follows the path is off [deg]
 
 /// `value` in `width` characters, a blank and more if it is longer; "-" if undefined.
 std::string cell(double value, int width, int digits) {
@@ -179,12 +181,18 @@ std::vector<std::string> default_labels(const std::vector<std::string>& paths) {
     labels.push_back(stem);
     if (shared && !folder.empty()) labels.back().insert(0, folder + "/");
   }
+  const std::vector<std::string> short_names = labels;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    for (std::size_t k = 0; k < labels.size(); ++k) {
+      if (short_names[k] == short_names[i] && paths[k] != paths[i]) labels[i] = paths[i];
+    }
+  }
   return labels;
 }
 
 TextTable comparison_table(const std::vector<NamedEvaluation>& all) {
   TextTable rows = {{"estimate", "final drift [%]", "norm of MAE [m]", "norm of RMSE [m]",
-                     "yaw RMSE [deg]", "tilt RMSE [deg]", "RPE over 10 m [%]"}};
+                     "yaw RMSE [deg]", "tilt RMSE [deg]", "RPE over 10 m [%]", "true path [m]"}};
   for (const auto& [name, e] : all) {
     double relative = eval::kNan;
     for (const RelativeError& error : e.rpe) {
@@ -192,7 +200,7 @@ TextTable comparison_table(const std::vector<NamedEvaluation>& all) {
     }
     rows.push_back({name, cell(e.final_drift, 0, 2), cell(e.norm_of_mae, 0, 3),
                     cell(e.norm_of_rmse, 0, 3), cell(e.yaw.rmse, 0, 2), cell(e.tilt.rmse, 0, 2),
-                    cell(relative, 0, 2)});
+                    cell(relative, 0, 2), cell(e.path_length, 0, 1)});
   }
   return rows;
 }
@@ -206,15 +214,16 @@ void print_table(const TextTable& rows) {
   }
 }
 
-eval::Trajectory truth_of(const std::string& path, const std::string& topic,
-                          io::Attitude attitude) {
-  if (io::is_dataset_folder(path) || !bag::begins_as_recording(path))
+eval::Trajectory path_of(const std::string& path, const std::string& topic, io::Attitude attitude) {
+  if (io::is_dataset_folder(path) || !bag::begins_as_recording(path)) {
+    if (!topic.empty()) throw std::runtime_error(path + ": is no bag, so has no topic " + topic);
     return io::read_trajectory(path, io::TumOrder::kStrict, attitude);
-  eval::Trajectory truth;
-  for (const NavState& state : bag::read_truth(path, attitude == io::Attitude::kOptional, topic)) {
-    truth.push_back({state.time, state.p_WB, state.q_WB});
   }
-  return truth;
+  eval::Trajectory poses;
+  for (const NavState& state : bag::read_truth(path, attitude == io::Attitude::kOptional, topic)) {
+    poses.push_back({state.time, state.p_WB, state.q_WB});
+  }
+  return poses;
 }
 
 bool has_attitude(const eval::Trajectory& path) {
@@ -222,22 +231,29 @@ bool has_attitude(const eval::Trajectory& path) {
 }
 
 void evaluate(const EvaluateArguments& arguments) {
-  eval::Trajectory truth =
-      truth_of(arguments.truth, arguments.truth_topic, io::Attitude::kOptional);
+  eval::Trajectory truth = path_of(arguments.truth, arguments.truth_topic, io::Attitude::kOptional);
   if (!truth.empty() && !has_attitude(truth)) {
     print_notes(
         {"the truth holds positions alone, of a prism or an antenna: errors of the attitude and "
          "the RPE, which needs it, are unknown; its place on the vehicle counts as an error"});
   }
-  const std::string& said = arguments.truth_offset;
-  const double offset = said.empty() ? 0.0 : io::parse_quantity(said, "s");
+  const double offset = stamp_offset(arguments.truth_offset, "--truth-offset");
   for (eval::StampedPose& pose : truth) pose.time += from_seconds(offset);
   std::vector<NamedEvaluation> all;
   const std::vector<std::string> labels = default_labels(arguments.estimates);
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const std::string& file = arguments.estimates[i];
-    const eval::Trajectory estimate = io::read_trajectory(file);
+    const eval::Trajectory estimate = path_of(file, arguments.topic);
+    expect_common_time({{arguments.truth, truth}, {file, estimate}});
     all.push_back({labels[i], evaluate_poses(arguments, truth, estimate, file)});
+    const double apart = all.back().second.ape_yaw.rotation.median;
+    if (apart > kOtherAxes && all.back().second.yaw_unique) {
+      print_notes({fmt::format(
+          "half of the attitudes of {} are {:.0f} deg or more from the true ones, with the "
+          "positions aligned: it is lost, or has other axes of body or world, or another order of "
+          "the quaternion; rotations and RPE count that",
+          file, apart)});
+    }
     const eval::StampOffset best = eval::best_stamp_offset(truth, estimate, options_of(arguments));
     if (!best.is_needed()) continue;
     print_notes(

@@ -32,7 +32,7 @@ TextTable comparison_table(const std::vector<NamedEvaluation>& all);
 void print_table(const TextTable& rows);
 
 /// Names of files in a picture: without folder and extension; with the folder if two would be
-/// equal.
+/// equal; as given if they still are.
 std::vector<std::string> default_labels(const std::vector<std::string>& paths);
 
 /// Lays the estimate over the truth in this way.

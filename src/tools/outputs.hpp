@@ -17,6 +17,13 @@ inline std::filesystem::path named(const std::filesystem::path& path) {
   return normal.has_filename() ? normal : normal.parent_path();
 }
 
+/// @throws std::runtime_error if the folder of a file to write is not there
+inline void expect_folder(const std::filesystem::path& file) {
+  const std::filesystem::path folder = file.parent_path();
+  if (folder.empty() || std::filesystem::is_directory(folder)) return;
+  throw std::runtime_error(file.string() + ": cannot be written: there is no such folder");
+}
+
 /// Writes a file of this text.
 inline void write_text(const std::filesystem::path& path, const std::string& text) {
   io::TextFile file(path);

@@ -242,12 +242,12 @@ void plot(const PlotArguments& arguments) {
       arguments.labels.empty() ? default_labels(arguments.estimates) : arguments.labels;
   const bool with_truth = !arguments.truth.empty();
   const eval::Trajectory truth =
-      with_truth ? truth_of(arguments.truth, arguments.truth_topic, io::Attitude::kOptional)
+      with_truth ? path_of(arguments.truth, arguments.truth_topic, io::Attitude::kOptional)
                  : eval::Trajectory{};
 
   std::vector<Series> all;
   for (std::size_t i = 0; i < labels.size(); ++i) {
-    eval::Trajectory poses = io::read_trajectory(arguments.estimates[i]);
+    eval::Trajectory poses = path_of(arguments.estimates[i], arguments.topic);
     Series series{labels[i], overlaid_stroke(i), std::move(poses), {}};
     if (with_truth) {
       series.pairs = lay_over(truth, arguments.align, &series.poses);

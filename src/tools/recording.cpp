@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <stdexcept>
 
@@ -55,8 +56,9 @@ bag::RecordingRequest request_of(const RecordingArguments& a, bool truth) {
   set_named(a.radar_clock, &request.radar_clock);
   set(a.trigger, &request.trigger_topic);
   set_named(a.trigger_match, &request.trigger_match);
-  set_quantity(a.imu_offset, "s", &request.imu_offset);
-  set_quantity(a.radar_offset, "s", &request.radar_offset);
+  if (!a.imu_offset.empty()) request.imu_offset = stamp_offset(a.imu_offset, "--imu-offset");
+  if (!a.radar_offset.empty())
+    request.radar_offset = stamp_offset(a.radar_offset, "--radar-offset");
   if (!a.gyro_unit.empty()) set_quantity("1 " + a.gyro_unit, "rad/s", &request.gyro_unit);
   if (!a.accel_unit.empty()) set_quantity("1 " + a.accel_unit, "m/s^2", &request.accel_unit);
   if (!a.imu_axes.empty()) set_named(a.imu_axes, &request.imu_axes.emplace());
@@ -177,6 +179,14 @@ void print_what_is_missing(const fs::path& out, bool mounted) {
 }
 
 }  // namespace
+
+double stamp_offset(const std::string& said, const char* option) {
+  constexpr double kMost = 4e9;  // [s] a stamp has room for twice as much
+  const double seconds = said.empty() ? 0.0 : io::parse_quantity(said, "s");
+  if (std::abs(seconds) <= kMost) return seconds;
+  throw std::runtime_error(
+      fmt::format("{} {}: no offset of stamps, which is at most {:g} s", option, said, kMost));
+}
 
 io::Dataset read_any(const std::string& path, const RecordingArguments& arguments, bool truth) {
   io::Dataset dataset = is_bag(path, arguments)

@@ -28,6 +28,11 @@ OpenRecording open_any(const std::string& path, const RecordingArguments& argume
 /// "750 scans", of several radars "750 + 749 scans".
 std::string scans_text(const io::Dataset& dataset);
 
+/// What is added to stamps, as "-0.2 s"; 0 if nothing is said.
+/// @param option for the error if that is no offset of stamps
+/// @throws std::runtime_error
+double stamp_offset(const std::string& said, const char* option);
+
 /// Throws the damage of a recording, if any: the readable part has been used by then.
 void throw_damage(const std::string& damage);
 

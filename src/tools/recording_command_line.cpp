@@ -87,8 +87,13 @@ void add_recording_options(const Command& command, RecordingArguments* how, bool
 
 constexpr const char* kOverTruth = "lay the estimates over the truth first: none, origin, yaw, se3";
 
-void add_truth_topic(const Command& command, std::string* to, const char* name = "--truth-topic") {
-  command.add(name, to, "topic, of a bag; by default the only one with poses");
+CLI::Option* add_truth_topic(const Command& command, std::string* to,
+                             const char* name = "--truth-topic") {
+  return command.add(name, to, "topic, of a bag; by default the only one with poses");
+}
+
+void add_topic(const Command& command, std::string* to) {
+  command.add("--topic", to, "of an estimate that is a bag; by default the only one with poses");
 }
 
 CLI::Option* add_alignment(const Command& command, std::string* to, const char* what = kOverTruth) {
@@ -186,6 +191,7 @@ void add_evaluate_command(CLI::App& app) {
   command.add("ESTIMATE", &to->estimates, "same formats; several give a table of a row each",
               kRequired);
   add_truth_topic(command, &to->truth_topic, "--truth-topic,--truth");
+  add_topic(command, &to->topic);
   add_alignment(command, &to->align,
                 "for MAE, RMSE, drift, yaw and tilt: none (as the papers), origin, yaw, se3");
   command.add("--json", &to->json, "print one JSON line an estimate");
@@ -239,7 +245,8 @@ void add_plot_command(CLI::App& app) {
   command.add("ESTIMATE", &to->estimates, kTrajectory, kRequired);
   CLI::Option* truth =
       command.add("--truth", &to->truth, "true path: same formats; adds the errors");
-  add_truth_topic(command, &to->truth_topic);
+  add_truth_topic(command, &to->truth_topic)->needs(truth);
+  add_topic(command, &to->topic);
   command.add("--label", &to->labels, "names for the legend, one for each estimate");
   add_alignment(command, &to->align)->needs(truth);
   command.add("--out", &to->out, "SVG file to write", kRequired);
@@ -276,14 +283,19 @@ void add_calibrate_command(CLI::App& app) {
 void add_options_command(CLI::App& app) {
   const Command command(app, "options", "Print every option as a file to start from");
   OptionsArguments* to = command.runs(&print_checked_options);
+  CLI::Option* preset =
+      command
+          .add("--preset", &to->estimator.preset,
+               "default, published-ekf, published-smoother, published-uncertainty or doppler-only")
+          ->default_str("default");
+  CLI::Option* table =
+      command.add("--compare", &to->compare, "the options in which the presets differ, as a table")
+          ->excludes(preset);
   command
-      .add("--preset", &to->estimator.preset,
-           "default, published-ekf, published-smoother, published-uncertainty or doppler-only")
-      ->default_str("default");
-  command.add("--compare", &to->compare, "the options in which the presets differ, as a table");
-  command.add(
-      "--from", &to->dataset,
-      "the options that a replay of this folder or bag uses, sensor files and --config included");
+      .add("--from", &to->dataset,
+           "the options that a replay of this folder or bag uses, sensor files and --config "
+           "included")
+      ->excludes(table);
   add_option_values(command, &to->estimator, "option file, as of `rio replay`");
   add_recording_options(command, &to->how);
 }

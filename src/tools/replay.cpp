@@ -60,7 +60,7 @@ eval::Trajectory truth_for_view(const ReplayArguments& arguments, const OpenReco
   const bool folder = io::is_dataset_folder(arguments.dataset);
   if (folder && recording.sensors.ground_truth.empty()) return {};
   try {
-    return truth_of(arguments.dataset, arguments.how.truth);
+    return path_of(arguments.dataset, arguments.how.truth);
   } catch (const std::runtime_error&) {
     if (folder) throw;
     return {};  // a bag without a topic of it
@@ -159,7 +159,11 @@ class Replay {
     if (!velocity.empty()) state.v_WB = Vector3d(velocity.data());
     const Status status = odometry_->reset(state, covariance);
     if (status == Status::kOk) return;
-    throw std::runtime_error(std::string("the start was refused: ") + to_string(status));
+    throw std::runtime_error(
+        status == Status::kImplausible
+            ? "the start was refused: a position beyond 1e7 m, another value beyond 1e4, or a "
+              "sigma beyond 1e6 (SI units)"
+            : "the start was refused: a value is not finite, or the covariance not positive");
   }
 
   void give_imu(const ImuSample& sample) {

@@ -75,13 +75,15 @@ void add_view_options(const Command& command, ViewArguments* view) {
               "folder to write, CSV: innovations, points, landmarks, calibration, health, events");
   command.add("--mcap", &view->mcap,
               "file to write for viewers (Foxglove, Lichtblick, rerun): poses, path, points, ...");
-  command
-      .add("--view", &view->port,
-           "serve the same to viewers that connect (Foxglove WebSocket), on this port or 8765")
-      ->expected(0, 1)
-      ->transform(CLI::Validator(port_fault, "", "port"))
-      ->type_name("[PORT]");
-  command.add("--view-address", &view->address, "of this machine, on which it listens", kShown);
+  CLI::Option* port =
+      command
+          .add("--view", &view->port,
+               "serve the same to viewers that connect (Foxglove WebSocket), on this port or 8765")
+          ->expected(0, 1)
+          ->transform(CLI::Validator(port_fault, "", "port"))
+          ->type_name("[PORT]");
+  command.add("--view-address", &view->address, "of this machine, on which it listens", kShown,
+              port);
 }
 
 void add_live_command(CLI::App& app) {

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "outputs.hpp"
 #include "view/calibration_names.hpp"
 #include "view/csv_log.hpp"
 
@@ -79,10 +80,7 @@ std::vector<std::string> files_of(const ViewArguments& arguments) {
 void ViewOutputs::open() {
   const ViewArguments& arguments = arguments_;
   if (!arguments.report.empty()) {
-    const std::filesystem::path folder = std::filesystem::path(arguments.report).parent_path();
-    if (!folder.empty() && !std::filesystem::is_directory(folder)) {
-      throw std::runtime_error(arguments.report + ": cannot be written: there is no such folder");
-    }
+    expect_folder(arguments.report);
     auto report = std::make_unique<view::ReportBuilder>();
     report_ = report.get();
     add_sink(std::move(report));

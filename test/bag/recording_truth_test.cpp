@@ -90,8 +90,9 @@ TEST_F(RecordingTruth, WithoutAFlightItIsReadAlone) {
   EXPECT_EQ(truth_of(messages).at(7).time, kBegin + Time(70'000'000));
   messages.push_back(messages[0]);
   messages.back().topic = "/other";
-  EXPECT_ERROR(truth_of(messages),
-               "a: several topics with poses, /truth and /other; choose with --truth-topic");
+  EXPECT_ERROR(
+      truth_of(messages),
+      "a: several topics with poses, /truth and /other; choose with --truth-topic, or --topic");
   EXPECT_EQ(read_truth(dir_.path() / "a", false, "/other").size(), 1U);
   EXPECT_ERROR(read_truth(dir_.path() / "a", false, "/none"), "a: no topic /none of type ");
   EXPECT_ERROR(truth_of(test::at_rest(Wire::kRos1, 2)),

@@ -172,6 +172,12 @@ TEST_F(Bag, TruthAndBarometerOfABagAreThoseOfItsFolder) {
   EXPECT_GT(json["barometer"]["sigma_m"], 0.0);
   EXPECT_GT(json["barometer"]["nis"], 0.0);
   expect_parts(text_of(file("baro.html")), {"<dt>Barometer</dt><dd>offset "});
+  fails(1, replay + " --imu-offset inf", {"--imu-offset inf: no offset of stamps"});
+  fails(1, "compare " + bag + " --config " + file("mounting.yaml") + " --truth-topic /none",
+        {"no topic /none of type "});
+  EXPECT_LT(path_error(flight_, bag, " --topic /truth"), 1e-6);
+  rio("plot " + bag + " --out " + file("bag.svg"));
+  fails(1, "evaluate " + bag + " " + flight_ + " --topic /truth", {"is no bag, so has no topic /"});
   const double error = path_error(bag, file("a.tum"), " --align yaw --truth /truth");
   EXPECT_NEAR(error, path_error(flight_, file("a.tum"), " --align yaw"), 1e-6);
   EXPECT_LT(error, 0.5);

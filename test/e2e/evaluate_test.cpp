@@ -42,6 +42,25 @@ TEST_F(Tool, EvaluatesAgainstPositionsAlone) {
   EXPECT_EQ(drawing.find("Yaw error"), std::string::npos);
 }
 
+TEST_F(Tool, EvaluateTellsOtherAxesAndHowFarAnEstimateGoes) {
+  const std::string tum = file("whole.tum");
+  rio("replay " + flight_ + " --quiet --out " + tum);
+  const auto made = [&](const std::string& name, const std::string& awk) {
+    EXPECT_EQ(run_command("awk -v CONVFMT=%.9f '" + awk + "' " + tum + " > " + file(name)).code, 0);
+    return file(name);
+  };
+  const std::string evaluate = "evaluate " + flight_ + " ";
+  const Parts other = {"or another order of the quaternion"};
+  expect_none(rio(evaluate + tum).output, other);
+  rio(evaluate + made("wxyz.tum", "{print $1, $2, $3, $4, $8, $5, $6, $7}"), other);
+  fails(1, evaluate + made("late.tum", "{sub(/^17/, \"18\"); print}"),
+        {"no time in common: " + flight_ + " is from 17", "late.tum from 18"});
+  rio("evaluate " + made("far.tum", "{$2 += 5000000; print}") + " " + tum,
+      {" 5000000.000 5000000.000"});
+  rio(evaluate + tum + " " + made("begin.tum", "NR <= 20"),
+      {"| true path [m] |", "| 25.0 |", "| 0.0 |"});
+}
+
 TEST_F(Tool, PlotsAPicture) {
   rio("replay " + flight_ + " --quiet --out " + file("p.tum"));
   rio("plot " + file("p.tum") + " --truth " + flight_ + " --out " + file("p.svg"));

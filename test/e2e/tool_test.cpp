@@ -227,6 +227,31 @@ TEST_F(Tool, PageOfPresetsIsWhatTheProgramSays) {
   expect_parts(text_of(RIO_SOURCE_DIR "/data/presets.md"), {rio("options --compare").output});
 }
 
+TEST_F(Tool, WhatCannotActIsRefused) {
+  rio("replay " + flight_ + " --quiet --out " + file("r.tum"));
+  const std::string tum = file("r.tum ");
+  fails(2, "replay " + flight_ + " --view-address 0.0.0.0", {"--view-address requires --view"});
+  fails(2, "options --compare --from " + flight_, {"--compare excludes --from"});
+  fails(2, "options --compare --preset doppler-only", {"--preset excludes --compare"});
+  fails(2, "plot " + tum + "--truth-topic /x --out x.svg", {"--truth-topic requires --truth"});
+  fails(1, "evaluate " + flight_ + " " + tum + "--truth-topic /x", {"is no bag, so has no topic"});
+  for (const std::string offset : {"inf", "nan", "1e300"}) {
+    fails(1, "evaluate " + flight_ + " " + tum + "--truth-offset " + offset,
+          {"--truth-offset " + offset + ": no offset of stamps"});
+  }
+  fails(1, "compare " + tum + "--truth-topic /x", {"--truth-topic: no run is a recording"});
+  for (const std::string& option :
+       Parts{"--set backend=ekf", "--init static", "--sensors " + flight_}) {
+    fails(1, "compare " + tum + option, {"need a recording among the runs"});
+  }
+  expect_none(fails(1, "compare " + flight_ + " --report /nowhere/c.html",
+                    {"/nowhere/c.html: cannot be written: there is no such folder"})
+                  .output,
+              {"flight ..."});  // before it flies
+  fails(1, "replay " + flight_ + " --init-velocity 1e9 0 0",
+        {"the start was refused: a position beyond 1e7 m, another value beyond 1e4"});
+}
+
 TEST_F(Tool, BenchMeasuresEveryPresetWithEitherBackEnd) {
   const Json json = rio("bench --seconds 2 --detections 20 --json").json();
   ASSERT_EQ(json["rows"].size(), 10U);

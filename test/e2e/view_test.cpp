@@ -242,6 +242,10 @@ TEST_F(Tool, ComparesVariantsAndOtherEstimates) {
   fs::copy_file(tum, file("again/other.tum"));
   rio("compare " + tum + " " + file("again/other.tum"),
       {"| " + fs::path(tum).parent_path().filename().string() + "/other |", "| again/other |"});
+  fs::create_directories(file("b/again"));
+  fs::copy_file(tum, file("b/again/other.tum"));
+  rio("compare " + file("again/other.tum") + " " + file("b/again/other.tum"),
+      {"| " + file("again/other.tum") + " |", "| " + file("b/again/other.tum") + " |"});
   std::ofstream(file("strange.tum")) << "1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 1\n";
   const std::string at_once =
       fails(1, "compare " + flight_ + " --preset default,none", {"none"}).output;
