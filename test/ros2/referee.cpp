@@ -2,9 +2,8 @@
 // The other side of rio-ros2, with the DDS of another vendor, which is ROS 2's own default: plays a
 // dataset folder as sensor topics and prints what comes back, one line per message.
 //
-//   referee play FLIGHT SPEED     publishes /imu/data, /radar/points and /pressure, prints
-//   /rio/pose
-//                                 and more; a pressure of zero stands for a message on /rio/reset
+//   referee play FLIGHT SPEED     publishes the sensors of the folder, prints /rio/pose and more; a
+//                                 pressure of zero stands for a message on /rio/reset
 //   referee listen SECONDS        prints, until SIGTERM or that long
 #include <algorithm>
 #include <chrono>
