@@ -52,6 +52,7 @@ void TiltCheck::carry(const Estimate& x, Time last, const ImuBuffer& imu, bool g
   for (std::size_t i = 0; i < scans_.size(); ++i) {
     Scan& scan = scans_[i];
     scan.N = R * scan.N * R.transpose();
+    scan.U = R * scan.U * R.transpose();
     scan.c = R * scan.c;
     scan.s = R * (scan.s + since.velocity);
     scan.C = R * scan.C;
@@ -81,12 +82,13 @@ void TiltCheck::take(const Observations& seen, const Estimate& x) {
     const double y = -d.range_rate - a.dot(lever);
     const Vector3d azimuth = R_BS * d.sigma_azimuth_S;
     const Vector3d elevation = R_BS * d.sigma_elevation_S;
-    scan.N += weight * (a * a.transpose() - azimuth * azimuth.transpose() -
-                        elevation * elevation.transpose());
+    scan.N += weight * a * a.transpose();
+    scan.U += weight * (azimuth * azimuth.transpose() + elevation * elevation.transpose());
     scan.c += weight * y * a;
     scan.square += weight * y * y;
     ++scan.rows;
   }
+  scan.N -= scan.U;
   scan.C << R_BS * skew(v_S), R_BS * v_S;
   scans_.push_back(scan);
 }
@@ -116,9 +118,18 @@ std::optional<TiltCheck::Fit> TiltCheck::fit_dopplers(Time now) const {
   const Eigen::Matrix<double, 6, 5> solution = root.solve(B);
   const double misfit = (square - B.col(0).dot(solution.col(0))) / (rows - 6);
   if (misfit > kBadFit) return std::nullopt;
-  const Matrix6d P = kRepetition * std::max(1.0, misfit) * root.inverse();
   Fit out;
   out.g = solution.bottomRows<3>().col(0);
+  Eigen::Matrix<double, 6, 1> h = Eigen::Matrix<double, 6, 1>::Zero();
+  for (std::size_t i = 0; i < scans_.size(); ++i) {
+    const double T = to_seconds(now - scans_[i].time);
+    const Vector3d v = solution.topRows<3>().col(0) - scans_[i].s - T * out.g;
+    const Vector3d U_v = scans_[i].U * v;
+    h.head<3>() += U_v;
+    h.tail<3>() -= T * U_v;
+  }
+  h = (kShare * root.solve(h)).eval();
+  const Matrix6d P = kRepetition * std::max(1.0, misfit) * root.inverse() + h * h.transpose();
   out.covariance = P.bottomRightCorner<3, 3>();
   out.velocity = {solution.topRows<3>().col(0), P.topLeftCorner<3, 3>()};
   out.slope = solution.bottomRightCorner<3, 4>();

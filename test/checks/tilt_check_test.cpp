@@ -25,7 +25,8 @@ struct Drive {
   bool tied = false;               ///< the bias has the error that makes up for that of the tilt
   double sigma_mounting = 0.0;     ///< same [rad]
   double turn_mounting = 0.0;      ///< of the radar, about the body's z axis [rad]
-  double accel_noise = ImuOptions{}.accel_noise_density;  ///< told [m/s^2/sqrt(Hz)]
+  double sigma_elevation = RadarOptions{}.sigma_elevation;  ///< told; the points have none [rad]
+  double accel_noise = ImuOptions{}.accel_noise_density;    ///< told [m/s^2/sqrt(Hz)]
   std::function<void(Estimate&)> wrong = [](Estimate&) {};
   std::function<bool(int)> silent = [](int) { return false; };  ///< no scan: dead reckoning
 
@@ -37,6 +38,7 @@ struct Drive {
   Verdict run(test::Random* random) const {
     Options options;
     options.imu.accel_noise_density = accel_noise;
+    options.radar.sigma_elevation = sigma_elevation;
     options.radar.T_BS.translation = Vector3d(0.1, 0.05, -0.1);
     test::SeenVehicle vehicle(options, Vector3d(0.4, -0.3, 0.1), random);
     vehicle.mounting = Quaternion(Eigen::AngleAxisd(turn_mounting, Vector3d::UnitZ()));
@@ -152,6 +154,7 @@ TEST(TiltCheck, OnlyAWrongTiltIsContradicted) {
       {"right, 3 points", {.points = 3, .scans = kLong}, false},
       {"right, 6 points", {.points = 6, .scans = kLong}, false},
       {"right, 20 points", {.points = 20, .scans = kLong}, false},
+      {"right, elevations told too noisy", {.scans = kLong, .sigma_elevation = 0.27}, false},
       {"right, the velocity changes in silence", {.scans = kLong, .silent = half_silent}, false},
       {"wrong",
        {.scans = kLong, .wrong = tilted_in_world(5.0 * kDegree), .silent = half_silent},

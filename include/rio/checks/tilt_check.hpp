@@ -14,10 +14,12 @@
 // cannot be separated:
 // (E3) D = g - g_estimated = g_estimated x theta - b, theta and b the errors of attitude and
 //      accelerometer bias
-// (E4) cov D = k A^-1 + J P J^T + 6/5 q / T I + C Sigma C^T + m^2 I: the Dopplers, whose errors
-//      repeat from scan to scan; the state estimate, J of (E3); the integral of white noise of
-//      density q, fitted by a line over T; rotation and Doppler scale of the radar, C their effect
-//      on the slope; movers within the static set
+// (E4) cov D = k A^-1 + h h^T + J P J^T + 6/5 q / T I + C Sigma C^T + m^2 I: the Dopplers, whose
+//      errors repeat from scan to scan; the error of Sigma_u, which is known to a share r; the
+//      state estimate, J of (E3); the integral of white noise of density q, fitted by a line over
+//      T; rotation and Doppler scale of the radar, C their effect on the slope; movers within the
+//      static set. With A of the least squares, the rows of g of
+//      h = r A^-1 sum over scans of [I -T I]^T sum(Sigma_u / sigma^2) (v - s - g T)
 // (E5) Without enough Dopplers g = -s / T: the velocity of a small robot does not change by much
 //      for long. This detects a tilt error of 30 deg.
 // The state estimate is contradicted if D exceeds four sigmas for kPatience: attitude and velocity
@@ -82,6 +84,7 @@ class TiltCheck {
   struct Scan {
     Time time{0};
     Matrix3d N = Matrix3d::Zero();    ///< (E2)
+    Matrix3d U = Matrix3d::Zero();    ///< sum Sigma_u / sigma^2
     Vector3d c = Vector3d::Zero();    ///< (E2)
     double square = 0.0;              ///< sum y^2 / sigma^2
     int rows = 0;                     ///< how many they are
@@ -108,6 +111,7 @@ class TiltCheck {
   static constexpr Time kPatience = std::chrono::milliseconds(1000);  // people come and go
   static constexpr double kSigmas = 4.0;  // three degrees of freedom: one window in nine hundred
   static constexpr double kRepetition = 4.0;  // k of (E4): a reflector's rows repeat their error
+  static constexpr double kShare = 0.5;       // r of (E4): sigmas are known to a quarter
   static constexpr double kMovers = 0.05;     // m of (E4): one row in twenty, walking [m/s^2]
   static constexpr double kBadFit = 3.0;      // largest ratio of residual variance to expected
   static constexpr double kWeak = 1.0;        // sigma in the worst direction [m/s^2]
