@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
+#include <iterator>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -16,15 +16,23 @@ namespace rio::io {
 
 namespace {
 
-/// In small letters, without its unit; components of a quaternion as "qw".
+/// In small letters, without its unit; components of usual vectors by one letter, as "qw" or "ax".
 std::string name_of_column(std::string_view cell) {
   cell.remove_prefix(std::min(cell.find_first_not_of(" \t#"), cell.size()));
   std::string name(cell.substr(0, cell.find_first_of(" \t[(")));
   for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  constexpr std::string_view kComponents = "wxyz";
-  const bool is_quaternion =
-      name.size() > 1 && name[0] == 'q' && kComponents.find(name.back()) != kComponents.npos;
-  return is_quaternion ? std::string("q") + name.back() : name;
+  if (name.size() < 2 || std::string_view("wxyz").find(name.back()) == name.npos) return name;
+  const bool one_letter = name.size() == 2 || name[1] == '_';
+  constexpr std::pair<const char*, char> kVectors[] = {
+      {"quat", 'q'}, {"orient", 'q'}, {"gyr", 'w'}, {"ang", 'w'}, {"omega", 'w'}, {"acc", 'a'},
+      {"mag", 'm'},  {"q", 'q'},      {"w", 'w'},   {"g", 'w'},   {"a", 'a'},     {"m", 'm'}};
+  for (const auto& [begin, letter] : kVectors) {
+    const bool is_letter = begin[1] == '\0';
+    if (is_letter ? one_letter && name[0] == begin[0] : name.find(begin) != name.npos) {
+      return {letter, name.back()};
+    }
+  }
+  return name;
 }
 
 [[noreturn]] void fail_on(const std::filesystem::path& path, const char* what) {
@@ -173,14 +181,16 @@ void CsvReader::expect_columns() {
 }
 
 void CsvReader::compare_names() const {
-  constexpr std::array<std::string_view, 3> kPolar = {"range", "azimuth", "elevation"};
+  constexpr std::string_view kOthers[] = {"range", "azimuth", "elevation", "az", "el",
+                                          "qw",    "qx",      "qy",        "qz", "mx",
+                                          "roll",  "pitch",   "yaw"};
   for (std::size_t i = 0; i < std::min(heading_.size(), expected_names_.size()); ++i) {
     const std::string name = name_of_column(heading_[i]);
     if (name.empty() || name == expected_names_[i]) continue;
     const auto is_in = [&name](const auto& names) {
-      return std::find(names.begin(), names.end(), name) != names.end();
+      return std::find(std::begin(names), std::end(names), name) != std::end(names);
     };
-    if (!is_in(expected_names_) && !is_in(kPolar)) continue;  // some other name for the same
+    if (!is_in(expected_names_) && !is_in(kOthers)) continue;  // some other name for the same
     fail(fmt::format("by the heading column {} is \"{}\"; the columns are read as {}", i + 1,
                      heading_[i], fmt::join(expected_names_, ", ")));
   }

@@ -43,13 +43,21 @@ bool ImuRows::next(ImuSample* sample) {
   return true;
 }
 
+bool RadarRows::has_sigmas() const {
+  if (columns() < kRadarColumns + 4) return false;
+  const std::string_view name = heading(kRadarColumns);
+  const auto is_in = [name](std::string_view part) { return name.find(part) != name.npos; };
+  return name.empty() || is_in("sig") || is_in("Sig") || is_in("std") || is_in("STD") ||
+         is_in("dev") || is_in("err");
+}
+
 RadarDetection RadarRows::detection() const {
   RadarDetection d;
   d.point_S = vector_at(*this, 1);
   d.range_rate = number(4);
   d.snr_db = number_or_zero(*this, 5);
   d.noise_db = number_or_zero(*this, 6);
-  if (columns() >= kRadarColumns + 4) {
+  if (has_sigmas()) {
     d.sigma_range = sigma_at(*this, kRadarColumns);
     d.sigma_azimuth = sigma_at(*this, kRadarColumns + 1);
     d.sigma_elevation = sigma_at(*this, kRadarColumns + 2);

@@ -16,7 +16,9 @@ Vector3d vector_at(const CsvReader& rows, std::size_t i);
 /// In each of these next() replaces the sample or scan; false at the end of the file.
 class ImuRows : public CsvReader {
  public:
-  explicit ImuRows(const std::filesystem::path& path) : CsvReader(path, ',', true) {}
+  explicit ImuRows(const std::filesystem::path& path) : CsvReader(path, ',', true) {
+    expect_names({"timestamp", "wx", "wy", "wz", "ax", "ay", "az"});
+  }
   bool next(ImuSample* sample);
 };
 
@@ -29,6 +31,8 @@ class RadarRows : public CsvReader {
 
  private:
   RadarDetection detection() const;
+  /// By the heading, if there is one.
+  bool has_sigmas() const;
 
   bool begun_ = false;  ///< the current row is the first one of the next scan
   Time time_{0};        ///< of the current row

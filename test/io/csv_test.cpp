@@ -185,6 +185,7 @@ TEST_F(Csv, NamesAtAnotherPlaceAreAnError) {
                "a.csv:2: by the heading column 2 is \"y [m]\"; the columns are read as timestamp, "
                "x, y, qw");
   EXPECT_ERROR(read("timestamp,range,azimuth,doppler"), "column 2 is \"range\"");
+  EXPECT_ERROR(read("t,r,az,doppler"), "column 3 is \"az\"");
   EXPECT_ERROR(read("timestamp,x,qw,y"), "column 3 is \"qw\"");
 }
 

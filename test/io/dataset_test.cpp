@@ -66,6 +66,42 @@ TEST_F(DatasetTest, ScansAreRunsOfOneStamp) {
   EXPECT_TRUE(std::isnan(d.scans[3].detections[0].range_rate));
 }
 
+TEST_F(DatasetTest, ColumnsWithAHeadingAreSigmasByTheirNames) {
+  const auto sigma = [this](const std::string& heading) {
+    const std::string row = "\n10,1,2,3,0.1,5,6,0.5,2,3,4\n";
+    const Dataset d = read_with("radar0/data.csv", heading + row);
+    return d.scans.at(0).detections.at(0).sigma_range;
+  };
+  const std::string first = "#t,x,y,z,doppler,snr,noise,";
+  EXPECT_EQ(sigma(first + "id,track,age,class"), 0.0);
+  EXPECT_EQ(sigma(first + "range,azimuth,elevation,rcs"), 0.0);
+  EXPECT_EQ(sigma(first + "rangeSTD,azimuthSTD,elevationSTD,dopplerSTD"), 0.5);
+  EXPECT_EQ(sigma(first + "sigma range [m],sigma azimuth [rad],sigma elevation,sigma doppler"),
+            0.5);
+  EXPECT_EQ(sigma("#recorded by hand"), 0.5);
+}
+
+TEST_F(DatasetTest, ColumnsOfAnImuAreKnownByTheUsualNames) {
+  const auto read = [this](const std::string& heading) {
+    read_with("imu0/data.csv", "t," + heading + "\n1,2,3,4,5,6,7\n2,2,3,4,5,6,7\n");
+  };
+  for (const char* heading :
+       {"w_RS_S_x,w_RS_S_y,w_RS_S_z,a_RS_S_x,a_RS_S_y,a_RS_S_z", "gx,gy,gz,ax,ay,az [g]",
+        "gyro_x,gyro_y,gyro_z,acc_x,acc_y,acc_z", "1st,2nd,3rd,4th,5th,6th", "p,q,r,ax,ay,az",
+        "angular_velocity.x,angular_velocity.y,angular_velocity.z,linear_acceleration.x,"
+        "linear_acceleration.y,linear_acceleration.z"}) {
+    read(heading);
+  }
+  for (const char* heading :
+       {"ax [m/s^2],ay,az,gx,gy,gz", "accel_x,accel_y,accel_z,gyro_x,gyro_y,gyro_z",
+        "orientation.x,orientation.y,orientation.z,orientation.w,wx,wy", "mx,my,mz,gx,gy,gz",
+        "roll,pitch,yaw,gx,gy,gz", "a_RS_S_x,a_RS_S_y,a_RS_S_z,w_RS_S_x,w_RS_S_y,w_RS_S_z"}) {
+    EXPECT_ERROR(read(heading), "column 2 is");
+  }
+  EXPECT_ERROR(read("gx,gy,gz,mag_x,mag_y,mag_z"),
+               "column 5 is \"mag_x\"; the columns are read as");
+}
+
 TEST_F(DatasetTest, RowsInNoOrderOfTimeAreRefused) {
   std::string imu, radar, few;
   for (int i = 0; i < 40; ++i) {

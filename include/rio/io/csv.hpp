@@ -32,9 +32,15 @@ class CsvReader {
   explicit CsvReader(const std::filesystem::path& path, char separator = ',',
                      bool may_be_cut = false);
 
-  /// What the first columns are read as, without units: a heading that has one of these names at
-  /// another place is an error. Before the first row.
+  /// What the first columns are read as, without units, components of vectors as "qw" or "ax": a
+  /// heading that has one of these at another place, or another usual quantity in theirs, is an
+  /// error. Before the first row.
   void expect_names(std::vector<std::string_view> names) { expected_names_ = std::move(names); }
+
+  /// The heading of column i, as it stands there; empty without one.
+  std::string_view heading(std::size_t i) const {
+    return i < heading_.size() ? std::string_view(heading_[i]) : std::string_view();
+  }
 
   /// Moves to the next row; false at the end of the file.
   bool next();
