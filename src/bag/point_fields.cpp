@@ -161,19 +161,21 @@ std::optional<PointField> PointMap::find(const std::string& name) const {
   return std::nullopt;
 }
 
+/// Of what a point may do without, the first of the known names; else two of them are an error.
 void PointMap::match_names() {
   for (std::size_t q = 0; q < kAliases.size(); ++q) {
     if (sources_[q]) continue;
     const std::string name = kNames[q];
-    const std::vector<std::string> aliases = words_of(kAliases[q]);
-    for (const PointField& field : fields_) {
-      if (std::count(aliases.begin(), aliases.end(), lower(field.name)) == 0) continue;
-      if (sources_[q]) {
-        const std::string& first = sources_[q]->field.name;
-        fail("two fields may be the " + name + ", \"" + first + "\" and \"" + field.name +
-             "\": choose with --field " + name + "=" + first);
+    for (const std::string& alias : words_of(kAliases[q])) {
+      for (const PointField& field : fields_) {
+        if (lower(field.name) != alias || (sources_[q] && q >= kSnr)) continue;
+        if (sources_[q]) {
+          const std::string& first = sources_[q]->field.name;
+          fail("two fields may be the " + name + ", \"" + first + "\" and \"" + field.name +
+               "\": choose with --field " + name + "=" + first);
+        }
+        sources_[q] = Source{field};
       }
-      sources_[q] = Source{field};
     }
   }
 }

@@ -56,7 +56,7 @@ YAML::Node find(const io::YamlFile& file, const char* section, const char* key) 
 double unit_of(const io::YamlFile& file, const char* key, const std::string& name, const char* si) {
   if (name.empty()) return 1.0;
   try {
-    return io::parse_quantity("1 " + name, si);
+    return io::unit_factor(name, si);
   } catch (const std::invalid_argument& error) {
     io::fail_at(file, find(file, "imu", key), std::string("imu.") + key + ": " + error.what());
   }

@@ -14,7 +14,8 @@ constexpr Time kBack(50'000'000);  // a clock that is set back; messages that ar
 constexpr Time kJitter(100'000'000);
 constexpr Time kPause(500'000'000);
 constexpr Time kSecond(1'000'000'000);
-constexpr std::size_t kStray = 3;  // so many messages with another clock are corrupt stamps
+constexpr Time kTwice(10'000'000);  // a message that is there twice comes within this
+constexpr std::size_t kStray = 3;   // so many messages with another clock are corrupt stamps
 
 bool is_far(Time a, Time b) {
   return std::chrono::abs(a - b) > kJump;
@@ -29,9 +30,9 @@ void Stamps::add(const Header& head, Time when, bool all) {
     const Time delay = when - head.stamp;
     // a late or lost message moves both clocks, or the receive time alone
     const Time step = head.stamp - stamped_;
-    repeats += all && step == Time(0) ? 1 : 0;
-    backs += step < Time(0) ? 1 : 0;
     const Time passed = when - stamped_received_;
+    repeats += all && step == Time(0) && passed > kTwice ? 1 : 0;
+    backs += step < Time(0) ? 1 : 0;
     const bool odd = step < Time(0) || step > kJump;
     const bool set_back = !pieces_.empty() && is_step_back(step, passed);
     const bool ahead = !pieces_.empty() && is_small_step_ahead(step, passed);

@@ -58,7 +58,7 @@ class Stamps {
 
   std::size_t count = 0;
   std::size_t zeros = 0;    ///< of the headers
-  std::size_t repeats = 0;  ///< headers that equal the one before, if each is kept
+  std::size_t repeats = 0;  ///< headers that equal the one before, received apart, if each is kept
   std::size_t backs = 0;    ///< headers before the one before
   Header first, last;
   Time first_received{0}, last_received{0};
@@ -68,8 +68,8 @@ class Stamps {
 
   /// All but one in a hundred, as a driver leaves a few.
   bool has_headers() const { return 100 * zeros <= count; }
-  /// Not with those of whole seconds, nor with one for all messages.
-  bool has_times() const { return has_headers() && 2 * repeats <= count; }
+  /// Not with those of whole seconds or tenths, nor with one for all messages.
+  bool has_times() const { return has_headers() && 5 * repeats <= count; }
   /// Median of receive - header, on the right clock of the headers; without zero headers.
   Time delay();
   /// The smallest one: a topic that arrives later and later had it when it was on time.

@@ -120,4 +120,10 @@ double parse_quantity(std::string_view text, std::string_view si_unit) {
   return value * unit.factor;
 }
 
+double unit_factor(std::string_view name, std::string_view si_unit) {
+  const bool negated = name.starts_with('-');
+  return parse_quantity((negated ? "-1 " : "1 ") + std::string(name.substr(negated ? 1 : 0)),
+                        si_unit);
+}
+
 }  // namespace rio::io

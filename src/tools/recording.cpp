@@ -38,10 +38,6 @@ void set_named(const std::string& said, Enum* value) {
   if (name != names.end()) *value = static_cast<Enum>(name - names.begin());
 }
 
-void set_quantity(const std::string& said, const char* si_unit, double* value) {
-  if (!said.empty()) *value = io::parse_quantity(said, si_unit);
-}
-
 /// The data set, overridden by the map, overridden by the command line.
 bag::RecordingRequest request_of(const RecordingArguments& a, bool truth) {
   bag::RecordingRequest request;
@@ -59,8 +55,8 @@ bag::RecordingRequest request_of(const RecordingArguments& a, bool truth) {
   if (!a.imu_offset.empty()) request.imu_offset = stamp_offset(a.imu_offset, "--imu-offset");
   if (!a.radar_offset.empty())
     request.radar_offset = stamp_offset(a.radar_offset, "--radar-offset");
-  if (!a.gyro_unit.empty()) set_quantity("1 " + a.gyro_unit, "rad/s", &request.gyro_unit);
-  if (!a.accel_unit.empty()) set_quantity("1 " + a.accel_unit, "m/s^2", &request.accel_unit);
+  if (!a.gyro_unit.empty()) request.gyro_unit = io::unit_factor(a.gyro_unit, "rad/s");
+  if (!a.accel_unit.empty()) request.accel_unit = io::unit_factor(a.accel_unit, "m/s^2");
   if (!a.imu_axes.empty()) set_named(a.imu_axes, &request.imu_axes.emplace());
   request.mounting_is_known = request.mounting_is_known || !a.sensors.empty();
   bag::PointRequest& points = request.points;

@@ -82,7 +82,8 @@ void add_recording_options(const Command& command, RecordingArguments* how, bool
   of_a_bag.add("--radar-offset", &how->radar_offset, "added to the stamps, as \"-0.12 s\"");
   of_a_bag.add("--imu-axes", &how->imu_axes, "of the IMU, turned to flu: ti, rdf or frd", axes);
   of_a_bag.add("--gyro-unit", &how->gyro_unit, "of the file, as deg/s");
-  of_a_bag.add("--accel-unit", &how->accel_unit, "of the file, as g");
+  of_a_bag.add("--accel-unit", &how->accel_unit,
+               "of the file, as g; -g if it reads -1 at rest on the axis that is up");
 }
 
 constexpr const char* kOverTruth = "lay the estimates over the truth first: none, origin, yaw, se3";

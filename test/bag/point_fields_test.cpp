@@ -128,6 +128,7 @@ TEST(PointFields, WhatIsMissingOrAmbiguousIsAnErrorWithTheFields) {
   EXPECT_ERROR(counted("x y z doppler velocity"),
                "two fields may be the doppler, \"doppler\" and \"velocity\"");
   EXPECT_EQ(counted("x y z doppler velocity", rules({{"doppler=velocity", ""}})).range_rate, 5.0);
+  EXPECT_EQ(counted("x y z radial_speed power rcs noise SNR").snr_db, 8.0);
 }
 
 TEST(PointFields, WhatTheUserSaysWins) {
@@ -191,7 +192,7 @@ class RecordingMapTest : public testing::Test {
 
 TEST_F(RecordingMapTest, ReadsEveryKey) {
   const RecordingRequest r = load(
-      "imu: {topic: /imu/data, clock: carried, offset: 3 ms, gyro_unit: deg/s, accel_unit: mg}\n"
+      "imu: {topic: /imu/data, clock: carried, offset: 3 ms, gyro_unit: deg/s, accel_unit: -mg}\n"
       "radar:\n  topic: /scan\n  clock: trigger\n  trigger: /tick\n  trigger_match: earlier\n"
       "  offset: -0.5\n  points: ti\n  axes: rdf\n  approaching: true\n"
       "  fields:\n    snr: power*0.1\n    doppler: [rdot*-1, velocity]\n");
@@ -199,7 +200,7 @@ TEST_F(RecordingMapTest, ReadsEveryKey) {
   EXPECT_EQ(r.imu_clock, Clock::kCarried);
   EXPECT_EQ(r.imu_offset, 3e-3);
   EXPECT_NEAR(r.gyro_unit, 0.017453292519943295, 1e-15);
-  EXPECT_NEAR(r.accel_unit, 9.80665e-3, 1e-15);
+  EXPECT_NEAR(r.accel_unit, -9.80665e-3, 1e-15);
   EXPECT_EQ(r.radar_topic, "/scan");
   EXPECT_EQ(r.radar_clock, Clock::kTrigger);
   EXPECT_EQ(r.trigger_topic, "/tick");

@@ -166,24 +166,34 @@ TEST_F(RecordingClocks, ATopicThatArrivesLateIsOnItsClock) {
               "5.000 s apart; if one only arrives late: --imu-clock header --radar-clock header");
 }
 
-/// A driver that stamps by whole seconds, or all scans by its own start.
+/// A driver that stamps by whole seconds or by 0.15 s, or all scans by its own start.
 TEST_F(RecordingClocks, HeadersThatAreThoseOfTheMessageBeforeAreNoTimes) {
   RecordingRequest received;
   received.radar_clock = Clock::kReceive;
   const io::Dataset good = read(test::at_rest(Wire::kRos1, 40), received);
-  for (const bool all : {false, true}) {
+  for (const Time step : {kSecond, Time(150'000'000), 1000 * kSecond}) {
     std::vector<Written> messages = test::at_rest(Wire::kRos1, 40);
-    const Time begin = messages[0].received / kSecond * kSecond;
     for (Written& m : messages) {
-      if (m.topic == "/radar") set_header(&m, all ? begin : m.received / kSecond * kSecond);
+      if (m.topic == "/radar") set_header(&m, m.received / step * step);
     }
     const io::Dataset recording = read(messages);
     expect_same(recording, good);
     expect_told(recording, " header stamps are those of the message");
     RecordingRequest headers;
     headers.radar_clock = Clock::kHeader;
-    EXPECT_LT(read(messages, headers).scans.size(), 6U);
+    EXPECT_LT(read(messages, headers).scans.size(), step < kSecond ? 28U : 6U);
   }
+}
+
+TEST_F(RecordingClocks, ScansThatAreThereTwiceHaveTimes) {
+  std::vector<Written> messages = test::at_rest(Wire::kRos1, 40);
+  const io::Dataset good = read(messages);
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    if (messages[i].topic != "/radar") continue;
+    messages.insert(messages.begin() + static_cast<std::ptrdiff_t>(i) + 1, messages[i]);
+    messages[++i].received += Time(300'000);
+  }
+  expect_same(read(messages), good);
 }
 
 TEST_F(RecordingClocks, OneCorruptStampIsNoJump) {

@@ -19,6 +19,12 @@ TEST(Units, PlainNumbersAreSi) {
   EXPECT_EQ(parse_quantity("+3", ""), 3.0);
 }
 
+TEST(Units, FactorsMayBeNegative) {
+  EXPECT_EQ(unit_factor("m/s^2", "m/s^2"), 1.0);
+  EXPECT_EQ(unit_factor("-g", "m/s^2"), -9.80665);
+  EXPECT_THROW((void)unit_factor("-s", "m/s^2"), std::invalid_argument);
+}
+
 TEST(Units, Converts) {
   // one rounding per factor: relative 1e-15
   const auto expect = [](const char* text, const char* unit, double si) {

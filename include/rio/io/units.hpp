@@ -14,4 +14,8 @@ namespace rio::io {
 /// dimension
 double parse_quantity(std::string_view text, std::string_view si_unit);
 
+/// The factor of a unit to SI, as "g" or, of a sensor with the other sign, "-g". Throws as
+/// parse_quantity().
+double unit_factor(std::string_view name, std::string_view si_unit);
+
 }  // namespace rio::io
