@@ -60,7 +60,8 @@ Finding check_accel(const std::vector<ImuSample>& samples, const Rest& rest, Sou
                     ImuCheck* found) {
   const double f = rest.accel.norm();
   const double off = std::abs(f / kStandardGravity - 1.0);
-  if (!std::isfinite(rest.spread)) {
+  constexpr double kNothing = 0.5;  // half a g of an IMU in g, little of one in m/s^2
+  if (!std::isfinite(rest.spread) && rest.least > kNothing) {
     return {Verdict::kDoubtful, "accelerometer unit", "no second has enough samples to tell",
             "record the IMU at 100 Hz or more"};
   }
@@ -93,9 +94,9 @@ Finding check_accel(const std::vector<ImuSample>& samples, const Rest& rest, Sou
     return out;
   }
   found->integrable = false;
-  constexpr double kNothing = 0.5;  // half a g of an IMU in g, little of one in m/s^2
   if (rest.least < kNothing) {
-    out.text += fmt::format(", and once {:.2g}: gravity was removed", rest.least);
+    out.text += fmt::format(", and once {:.2g}: {}", rest.least,
+                            rest.least > 0.0 ? "gravity was removed" : "it is not measured");
     out.change = "record the raw accelerometer: at rest it must read 9.81 m/s^2 upwards";
     return out;
   }

@@ -205,6 +205,8 @@ Finding check_axes(const Judge& judge, const Axes& found, const std::vector<Axes
     out.text += fmt::format(", and {:.0f} % with the accelerometer negated", 100.0 * best);
     out.change =
         "the accelerometer has the wrong sign: at rest it reads +9.81 m/s^2 on the axis that is up";
+    if (judge.advice.bag())
+      out.change = "--accel-unit -m/s^2 (-UNIT if one is given): " + out.change;
     return out;
   }
   if (unknown) {

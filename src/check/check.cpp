@@ -133,6 +133,7 @@ Findings check_one_radar(const CheckedImu& imu, const Scans& recorded,
   append(alone);
   say_steps(steps, recorded, "scan", "radar", &out);
   if (!has_sound_basis(alone)) return out;
+  if (const auto repeated = check_repeated(scans)) out.push_back(*repeated);
   const RangeCheck ranges = check_ranges(scans, options, advice);
   out.push_back(ranges.finding);
   if (!imu.check.integrable) return out;

@@ -51,7 +51,7 @@ bool moves(const CheckedImu& imu) {
   return !check.integrable || movement_of(imu.good, check.gyro_unit, check.accel_unit) > kFlown;
 }
 
-/// The Doppler of all points at rest, beyond half a step of the grid; 0 if it is none, or unknown.
+/// The Doppler of all points at rest, from half a step of the grid on; 0 if it is none, or unknown.
 double offset_at_rest(const Scans& scans, const Rest& rest, double gyro_unit, double grid) {
   constexpr std::size_t kFewest = 30;  // points
   constexpr double kAlike = 0.9;       // of the points; in motion it depends on their directions
@@ -67,7 +67,7 @@ double offset_at_rest(const Scans& scans, const Rest& rest, double gyro_unit, do
   const auto alike = std::count_if(
       rates.begin(), rates.end(), [&](double rate) { return std::abs(rate - usual) < 0.5 * grid; });
   const bool all = static_cast<double>(alike) > kAlike * static_cast<double>(rates.size());
-  return all && std::abs(usual) > 0.5 * grid ? usual : 0.0;
+  return all && std::abs(usual) > 0.4 * grid ? usual : 0.0;
 }
 
 }  // namespace

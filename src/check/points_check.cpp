@@ -187,6 +187,31 @@ Support turn_votes(const std::vector<ImuSample>& samples, const Scans& scans,
 
 }  // namespace
 
+std::optional<Finding> check_repeated(const Scans& scans) {
+  constexpr double kMany = 0.4;  // at rest one in eight is, on its grids
+  std::size_t points = 0;
+  std::size_t same = 0;
+  for (std::size_t i = 1; i < scans.size(); ++i) {
+    const Point* last = nullptr;
+    for (const Point& d : scans[i].detections) {  // a list may be filled with copies of one point
+      const bool copy = last != nullptr && d.point_S == last->point_S;
+      last = &d;
+      if (copy) continue;
+      ++points;
+      const auto equals = [&d](const Point& p) {
+        return p.point_S == d.point_S && p.range_rate == d.range_rate && p.snr_db == d.snr_db;
+      };
+      same += std::ranges::any_of(scans[i - 1].detections, equals) ? 1U : 0U;
+    }
+  }
+  const double share = static_cast<double>(same) / static_cast<double>(points);
+  if (!(share > kMany)) return std::nullopt;
+  return Finding{Verdict::kDoubtful, "repeated points",
+                 fmt::format("{:.0f} % of the points are also in the scan before", 100.0 * share),
+                 "record each scan once and alone: a driver or node sends it again, or several "
+                 "together"};
+}
+
 RangeCheck check_ranges(const Scans& scans, const Options& options, const Advice& advice) {
   const std::vector<Rate> all = rates();
   RangeVotes votes(all);

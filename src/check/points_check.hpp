@@ -23,6 +23,9 @@
 
 namespace rio::check {
 
+/// Whether many points are sent again with later scans, subject "repeated points"; empty if not.
+std::optional<Finding> check_repeated(const Scans& scans);
+
 struct RangeCheck {
   Finding finding;  ///< subject "Doppler by the ranges"
   DopplerSign sign = DopplerSign::kUnknown;

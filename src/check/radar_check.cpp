@@ -120,6 +120,8 @@ Finding check_stamps(const Scans& scans, const io::RadarInfo& info, const Advice
   } else if (std::abs(configured * period - 1.0) > 0.1) {
     out.verdict = Verdict::kDoubtful;
     out.change = advice.sensor_line(fmt::format("rate_hz: {:.1f}", 1.0 / period));
+    const double grid = grid_of(scans);
+    if (grid > 0.9 * period) out.change += fmt::format(", unless stamps are cut to {:g} s", grid);
   }
   return out;
 }
@@ -236,7 +238,7 @@ double stamp_unit(const Scans& scans) {
     periods.push_back(to_seconds(scans[i].time - scans[i - 1].time));
     counts.push_back(static_cast<double>(scans[i].detections.size()));
   }
-  const double period = median(periods);
+  const double period = quantile_of(&periods, 0.8);  // of scans that are there twice a whole one
   if (!(period > 0.0 && period < kFastest) || median(counts) < 2.0) return 1.0;
   return 1e3 * period > kFastest ? 1e3 : 1e6;
 }

@@ -36,7 +36,9 @@ TEST(ImuCauses, AStartThatIsLateOrNeverComesNamesMaxWait) {
 TEST(ImuCauses, GravityThatWasRemovedIsNoUnit) {
   const Vector3d at_rest = flight().imu[100].accel_B;
   expect_said({{of_samples([=](ImuSample& s) { s.accel_B -= at_rest; }), "accelerometer unit",
-                Verdict::kWrong, "gravity was removed", "raw accelerometer"}});
+                Verdict::kWrong, "gravity was removed", "raw accelerometer"},
+               {of_samples([](ImuSample& s) { s.accel_B.setZero(); }), "accelerometer unit",
+                Verdict::kWrong, "it is not measured", "raw accelerometer"}});
 }
 
 TEST(ImuCauses, ExchangedColumnsAreOneFault) {
@@ -88,7 +90,7 @@ TEST(ImuCauses, AxesOfTheImuAreNoMounting) {
       {left_handed, "axes of the IMU", Verdict::kWrong, "y of the IMU has the wrong",
        "y of the IMU has the wrong"},
       {of_samples([](ImuSample& s) { s.accel_B *= -1.0; }), "axes and Doppler sign",
-       Verdict::kWrong, "", "the accelerometer has the wrong sign"},
+       Verdict::kWrong, "", "--accel-unit -m/s^2 (-UNIT if one is given): the accelerometer has"},
       {rdf, "axes and Doppler sign", Verdict::kWrong, "the IMU is in rdf", "--imu-axes rdf"},
   });
   io::Dataset dataset = flight();

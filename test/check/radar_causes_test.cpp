@@ -249,6 +249,18 @@ TEST(RadarCauses, AFewSecondsOfRangesAgainstTheDopplerAreDoubtful) {
   EXPECT_EQ(against.sign, check::DopplerSign::kLeansOpposite);
 }
 
+TEST(RadarCauses, ScansThatAreSentAgainAreNamed) {
+  EXPECT_EQ(find(check_it(flight()), "repeated points"), nullptr);
+  const auto with_the_one_before = [](io::Dataset* d) {
+    for (std::size_t i = d->scans.size() - 1; i > 0; --i) {
+      const auto& before = d->scans[i - 1].detections;
+      d->scans[i].detections.insert(d->scans[i].detections.end(), before.begin(), before.end());
+    }
+  };
+  expect_said({{with_the_one_before, "repeated points", Verdict::kDoubtful,
+                "also in the scan before", "each scan once and alone"}});
+}
+
 TEST(RadarCauses, OddValuesOfOneField) {
   EXPECT_EQ(find(check_it(flight()), "lever arm"), nullptr);
   const double bin = *flight().radar_info.doppler_resolution;
@@ -269,6 +281,8 @@ TEST(RadarCauses, OddValuesOfOneField) {
        "--field doppler=NAME"},
       {of_detections([=](RadarDetection& d) { d.range_rate += bin; }), "Doppler", Verdict::kWrong,
        "off by +1.0 steps of its grid"},
+      {of_detections([=](RadarDetection& d) { d.range_rate -= 0.5 * bin; }), "Doppler",
+       Verdict::kWrong, "off by -0.5 steps of its grid"},
       {mark(&RadarDetection::range_rate, -1000.0), "Doppler", Verdict::kDoubtful,
        "2 % of the points are beyond 100 m/s", "leave these points out"},
       {mark(&RadarDetection::snr_db, 3276.7), "points", Verdict::kDoubtful,

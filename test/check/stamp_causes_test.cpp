@@ -109,6 +109,22 @@ TEST(ImuStamps, StampsThatLostDigitsAreNoLackOfSamples) {
   }
 }
 
+TEST(RadarStamps, ScansThatAreThereTwiceOrCutAreOfNoOtherUnitOrRate) {
+  io::Dataset twice = flight();
+  twice.scans.clear();
+  for (const RadarScan& scan : flight().scans) {
+    twice.scans.insert(twice.scans.end(), 2, scan);
+    twice.scans.back().time += Time(300'000);
+  }
+  EXPECT_EQ(said(twice, "clocks").verdict, Verdict::kOk);
+  io::Dataset cut = flight();
+  for (RadarScan& scan : cut.scans) scan.time -= scan.time % from_seconds(0.1);
+  const auto same = [](const RadarScan& a, const RadarScan& b) { return a.time == b.time; };
+  cut.scans.erase(std::unique(cut.scans.begin(), cut.scans.end(), same), cut.scans.end());
+  expect(said(cut, "radar stamps", Source::kFolder), Verdict::kDoubtful, "(10.0 Hz)",
+         "rate_hz: 10.0, unless stamps are cut to 0.1 s");
+}
+
 TEST(ImuStamps, APeriodBetweenOneAndTwoStepsOfItsGridLosesNothing) {
   io::Dataset dataset = flight();
   const auto cut = [](std::size_t i, double hz, double step) {
