@@ -166,7 +166,8 @@ NoiseCalibration calibrate_noise(const Recording& recording, const Options& opti
     const std::size_t fewest = std::min(seen.landmarks, seen.dopplers);
     if (fewest < kFewest) {
       throw std::runtime_error("only " + std::to_string(fewest) + " matches, at least " +
-                               std::to_string(kFewest) + " are needed: fly longer");
+                               std::to_string(kFewest) +
+                               " are needed: fly longer, or see `rio check` for what hinders them");
     }
     const eval::RadarNoise configured = noise_of(now.radar);
     const std::optional<eval::NoiseFit> fit =

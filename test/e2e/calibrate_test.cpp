@@ -122,7 +122,7 @@ TEST(FitNoise, PrintsAnOptionFileThatReplayTakes) {
   std::ofstream out(flight + "/radar0/data.csv");
   for (const std::string& line : lines) out << line << "\n";
   out.close();
-  fails(1, "fit-noise " + flight, {"fly longer"});
+  fails(1, "fit-noise " + flight, {"fly longer, or see `rio check`"});
   fails(1, "fit-noise " + flight + "/nothing", {"nothing"});
 }
 
