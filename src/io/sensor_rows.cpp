@@ -48,7 +48,7 @@ bool RadarRows::has_sigmas() const {
   const std::string_view name = heading(kRadarColumns);
   const auto is_in = [name](std::string_view part) { return name.find(part) != name.npos; };
   return name.empty() || is_in("sig") || is_in("Sig") || is_in("std") || is_in("STD") ||
-         is_in("dev") || is_in("err");
+         is_in("dev") || is_in("err") || is_in("unc") || is_in("s_");
 }
 
 RadarDetection RadarRows::detection() const {
