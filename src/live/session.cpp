@@ -111,8 +111,7 @@ void Session::take(std::size_t r, ti::Frame* frame) {
   frame->scan.time -= host_offset();
   pending_[next_pending_++ % pending_.size()] = {frame->scan.time, frame->last_arrival};
   (void)odometry_->add_scan(frame->scan, r);  // its outcome is counted
-  rethrow();
-  for (Listener* listener : listeners_) listener->on_scan(*this, frame->scan, r);
+  tell([&](Listener* listener) { listener->on_scan(*this, frame->scan, r); });
 }
 
 /// A frame waits for the next bytes of its radar no longer than a pause.
@@ -129,6 +128,7 @@ void Session::flush(std::size_t r) {
 
 void Session::end() {
   for (std::size_t r = 0; r < radars_.size(); ++r) flush(r);
+  tell([](Listener* listener) { listener->close(); });
 }
 
 void Session::imu(const ImuSample& sample, Time arrival) {
@@ -137,24 +137,30 @@ void Session::imu(const ImuSample& sample, Time arrival) {
   newest_imu_ = arrival;
   offset_.add(sample.time, arrival);
   (void)odometry_->add_imu(sample);  // its outcome is counted
-  rethrow();
-  for (Listener* listener : listeners_) listener->on_imu(*this, sample);
+  tell([&](Listener* listener) { listener->on_imu(*this, sample); });
 }
 
 /// Within a call of the estimator, through which no exception passes.
-void Session::tell_estimate() noexcept try {
+void Session::tell_estimate() noexcept {
   const UpdateReport& report = odometry_->report();
   if (report.status != Status::kOk) return;
   const auto of_it = [&report](const Pending& scan) { return scan.stamp == report.time; };
   const auto scan = std::find_if(pending_.begin(), pending_.end(), of_it);
   if (scan == pending_.end()) return;
-  for (Listener* listener : listeners_) listener->on_estimate(*this, scan->arrival);
-} catch (...) {
-  failed_ = std::current_exception();
+  tell([&](Listener* listener) { listener->on_estimate(*this, scan->arrival); });
 }
 
-void Session::rethrow() {
-  if (failed_) std::rethrow_exception(std::exchange(failed_, nullptr));
+template <class Call>
+void Session::tell(const Call& call) {
+  std::erase_if(listeners_, [&](Listener* listener) {
+    try {
+      call(listener);
+    } catch (const std::exception& error) {
+      failed_ += (failed_.empty() ? "" : "; ") + std::string(error.what());
+      return true;
+    }
+    return false;
+  });
 }
 
 Time Session::host_offset() const {

@@ -10,7 +10,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <exception>
 #include <memory>
 #include <optional>
 #include <string>
@@ -25,7 +24,8 @@ namespace rio::live {
 
 class Session;
 
-/// Interface for the events of a session.
+/// Interface for the events of a session. One that throws is called no more: a full disk ends no
+/// flight.
 class Listener {
  public:
   virtual ~Listener() = default;
@@ -37,6 +37,8 @@ class Listener {
   /// A scan was processed; the estimate is odometry().at_scan().
   /// @param arrival of the last byte of that scan
   virtual void on_estimate(const Session& /*session*/, Time /*arrival*/) {}
+  /// No event will come any more.
+  virtual void close() {}
 };
 
 /// Of one radar; a frame may be left out for several reasons.
@@ -70,7 +72,7 @@ class Session {
   void radar(std::size_t r, const std::uint8_t* bytes, std::size_t count, Time arrival);
   /// The port of a radar was reopened.
   void radar_reopened(std::size_t r) { radars_[r].reader.drop_pending(); }
-  /// No byte will come any more.
+  /// No byte will come any more: closes the listeners.
   void end();
   /// A sample of the IMU.
   void imu(const ImuSample& sample, Time arrival);
@@ -78,6 +80,8 @@ class Session {
   void tell_host_offset(Time offset) { configured_offset_ = offset; }
 
   const Odometry& odometry() const { return *odometry_; }
+  /// What listeners threw; empty if none did.
+  const std::string& failed() const { return failed_; }
   std::size_t radars() const { return radars_.size(); }
   const ti::PacketReader& reader(std::size_t r) const { return radars_[r].reader; }
   /// Clock of the arrivals minus that of the IMU.
@@ -114,7 +118,8 @@ class Session {
   void flush(std::size_t r);
   bool is_left_out(Radar* radar, ti::Frame* frame);
   void tell_estimate() noexcept;
-  void rethrow();
+  template <class Call>
+  void tell(const Call& call);
 
   std::unique_ptr<Odometry> odometry_;
   std::vector<Radar> radars_;
@@ -124,7 +129,7 @@ class Session {
   std::optional<Time> configured_offset_;
   std::array<Pending, 64> pending_{};  ///< ring buffer
   std::size_t next_pending_ = 0;
-  std::exception_ptr failed_;  ///< of a listener
+  std::string failed_;
   std::uint64_t imu_samples_ = 0;
   Time newest_imu_{0};    ///< arrival of the newest sample; of the first frame if there is none
   Time newest_frame_{0};  ///< same of the newest frame

@@ -79,7 +79,9 @@ class LiveRun {
         clock_(arguments.speed),
         imu_(arguments.imu_format),
         summary_(clock_),
-        files_(arguments.out, arguments.states, arguments.json_lines),
+        files_{live::EstimateFiles(arguments.out, "", ""),
+               live::EstimateFiles("", arguments.states, ""),
+               live::EstimateFiles("", "", arguments.json_lines)},
         view_(arguments.view),
         watches_(arguments.radars.size()),
         ports_(clock_, arguments.patience, std::bind_front(&Screen::say, &screen_)) {
@@ -95,7 +97,7 @@ class LiveRun {
     std::vector<live::Listener*> listeners;
     if (link_) listeners.push_back(&*link_);  // first, since the autopilot waits
     listeners.push_back(&summary_);
-    listeners.push_back(&files_);
+    for (live::EstimateFiles& file : files_) listeners.push_back(&file);
     if (view_.any()) listeners.push_back(&view_);
     view_.begin({"Live run", sensors.setup.options, {}, true, RIO_VERSION});
     for (live::Recorder& recorder : recorders_) listeners.push_back(&recorder);
@@ -115,9 +117,6 @@ class LiveRun {
     session_->end();
     watch();
     screen_.clear();
-    files_.close();
-    for (live::Recorder& recorder : recorders_) recorder.close();
-    for (live::McapRecorder& recorder : mcap_recorders_) recorder.close();
     ports_.close();  // one of them may be the CLI port, too
     for (const std::string& cli : arguments_.cli) stop_radar(cli);
   }
@@ -129,8 +128,8 @@ class LiveRun {
     for (const Port* port : radar_ports_) radar_ports.push_back(why_silent(*port));
     const bool lost = summary_.conclude(*session_, radar_ports, imu_counters(), imu_problem(),
                                         link_ ? link_->sent() : 0);
-    view_.close(summary_.replay());
     fmt::print("{}", arguments_.json ? summary_.json() + "\n" : summary_.text());
+    view_.close(summary_.replay());
     if (lost) throw WrongResult("the estimate is lost: " + summary_.lost_because());
     std::string failed = summary_.without_scans();
     const auto fail = [&failed](const std::string& why) {
@@ -145,6 +144,7 @@ class LiveRun {
       fail("no scan gave an update: " +
            (of_imu.empty() ? "their points or times are of no use, see the counters" : of_imu));
     }
+    if (!session_->failed().empty()) fail(session_->failed());
     if (!failed.empty()) throw std::runtime_error(failed);
   }
 
@@ -155,6 +155,8 @@ class LiveRun {
                                                    session_->times_problem(r));
       if (!message.empty()) screen_.say(fmt::format("radar {}: {}", r, message));
     }
+    if (session_->failed() != failed_)
+      screen_.say((failed_ = session_->failed()) + ": left out from here on");
     const bool wrong = session_->imu_silence() > kImuPause || imu_clock_is_wrong();
     if (wrong != imu_wrong_) screen_.say(wrong ? imu_problem() : "samples of the IMU again");
     imu_wrong_ = wrong;
@@ -248,12 +250,13 @@ class LiveRun {
   ImuPort imu_;
   Screen screen_;
   LiveSummary summary_;
-  live::EstimateFiles files_;
+  live::EstimateFiles files_[3];  ///< one that fails does not end the others
   ViewOutputs view_;
   std::list<live::Recorder> recorders_;
   std::list<live::McapRecorder> mcap_recorders_;
   std::vector<live::ScanWatch> watches_;
   bool imu_wrong_ = false;  ///< and it was told
+  std::string failed_;      ///< outputs, and it was told
   live::PortSet ports_;
   std::vector<const Port*> radar_ports_;
   std::optional<MavlinkLink> link_;

@@ -108,14 +108,26 @@ TEST(Session, TellsOfEachScanOfTwoRadars) {
   EXPECT_EQ(live.told, session.odometry().counters().scans);
 }
 
-TEST(Session, PassesOnWhatAListenerThrows) {
+TEST(Session, GoesOnWithoutAListenerThatThrows) {
   struct Full : Listener {
     void on_estimate(const Session& /*session*/, Time /*arrival*/) override {
       throw std::runtime_error("no space left");
     }
+    void on_imu(const Session& /*session*/, const ImuSample& /*sample*/) override { ++samples; }
+    void close() override { ADD_FAILURE() << "it threw"; }
+    std::size_t samples = 0;
   } full;
-  Session session(setup(), {&full});
-  EXPECT_ERROR(fly({}, &session), "no space left");
+  struct Closed : Listener {
+    void close() override { throw std::runtime_error("no folder"); }
+  } closed;
+  Estimates live;
+  Session session(setup(), {&full, &live, &closed});
+  fly({}, &session);
+  EXPECT_EQ(live.imu.size(), flight().imu.size());
+  EXPECT_LT(full.samples, live.imu.size() / 4);
+  EXPECT_EQ(session.failed(), "no space left");
+  session.end();
+  EXPECT_EQ(session.failed(), "no space left; no folder");
 }
 
 TEST(Session, SaysWhyTheTimesOfMostFramesAreWrong) {
