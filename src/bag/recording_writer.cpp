@@ -96,6 +96,7 @@ void RecordingWriter::add(const ImuSample& sample) {
 }
 
 void RecordingWriter::add(const RadarScan& scan, std::size_t radar) {
+  if (scan.time < Time{0}) return;
   impl_->add(impl_->radars.at(radar), scan.time, cloud_message(scan, radar_name(radar) + "_chip"));
 }
 

@@ -14,7 +14,8 @@ namespace rio::tools {
 
 namespace {
 
-constexpr std::uint64_t kNearlyAll = 10;  // damaged packets to one that is whole
+constexpr Time kLongestPause = std::chrono::minutes(1);  // more is a step of the clock
+constexpr std::uint64_t kNearlyAll = 10;                 // damaged packets to one that is whole
 
 Time cpu_time() {
   rusage usage{};
@@ -35,8 +36,9 @@ void add(const ti::PacketCounters& one, ti::PacketCounters* sum) {
 
 void LiveSummary::on_imu(const live::Session& session, const ImuSample& sample) {
   const Odometry& odometry = session.odometry();
-  if (replay_.span == Time{0}) first_ = sample.time;
-  replay_.span = std::max(Time{1}, sample.time - first_);
+  const Time step = newest_ ? sample.time - *newest_ : Time{0};
+  if (step > Time{0} && step < kLongestPause) replay_.span += step;
+  newest_ = sample.time;
   if (odometry.initialized()) replay_.health.add(sample.time, odometry.health());
 }
 

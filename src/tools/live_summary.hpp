@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,7 +46,7 @@ class LiveSummary : public live::Listener {
   const live::HostClock& clock_;
   ReplaySummary replay_;
   std::vector<float> latencies_;  ///< of the estimates [s]
-  Time first_{0};
+  std::optional<Time> newest_;    ///< sample
   double cpu_share_ = 0.0;
   /// Of a radar, at the end.
   struct Radar {

@@ -153,6 +153,7 @@ TEST(RecordingWriter, Refuses) {
   EXPECT_ERROR(RecordingWriter(dir.path() / "no/such/folder.mcap", 1), "folder.mcap");
   RecordingWriter file(dir.path() / "b.mcap", 2);
   EXPECT_ERROR(file.add(ImuSample{Time(-1), {}, {}}), "not one of ROS");
+  file.add(RadarScan{Time(-1), {}}, 1);
   file.add(RadarScan{Time(1), {}}, 1);
   file.close();
 }

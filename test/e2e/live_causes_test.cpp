@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "e2e/tool.hpp"
+#include "live/imu_stream.hpp"
 #include "live/player.hpp"
 #include "rio/io/dataset.hpp"
 #include "rio/mavlink/frame.hpp"
@@ -173,6 +174,21 @@ TEST_F(LiveCauses, SaysThatTheImuHasStopped) {
   const Outcome silent = hear({{}, first(4.0, radar())}, "--sensors " + flight_);
   EXPECT_EQ(silent.code, 1);
   EXPECT_TRUE(silent.output.starts_with("no sample of the IMU: no byte came\n")) << silent.output;
+}
+
+/// As of a board that counts from its start: the radar's frame of before has a negative stamp.
+TEST_F(LiveCauses, AnImuThatStartsAgainIsNotLost) {
+  Line samples = first(8.0, imu());
+  for (std::size_t i = samples.size() / 2; i < samples.size(); ++i) {
+    ImuSample sample = recorded().imu[i];
+    sample.time -= recorded().imu[samples.size() / 2].time;
+    const auto frame = live::imu_frame(sample, static_cast<std::uint8_t>(i));
+    samples[i].bytes.assign(frame.begin(), frame.end());
+  }
+  const Outcome run = hear({samples, first(8.0, radar())},
+                           "--sensors " + flight_ + " --record " + file("again.mcap"));
+  EXPECT_EQ(run.code, 0) << run.output;
+  EXPECT_NEAR(run.json()["duration_s"].get<double>(), 8.0, 0.1);
 }
 
 TEST_F(LiveCauses, EachRadarHasItsRate) {

@@ -29,6 +29,7 @@ class RecordingWriter {
   ~RecordingWriter();
 
   void add(const ImuSample& sample);
+  /// A scan before time zero is left out: the clock of the IMU had not begun.
   /// @param radar below the number of radars
   void add(const RadarScan& scan, std::size_t radar = 0);
 
