@@ -25,12 +25,22 @@ void MavlinkLink::receive(const std::uint8_t* bytes, std::size_t count, Time arr
     received_.insert(packet.id);
     mavlink::Timesync timesync;
     if (packet.read(&timesync)) {
-      (void)timesync_.take(timesync, arrival);
+      if (imu_of_.value_or(packet.from) == packet.from) (void)timesync_.take(timesync, arrival);
       const auto answer = mavlink::timesync_answer(timesync, packet.from, arrival);
       if (answer) send(*answer);
     }
-    if (const auto sample = sample_of(packet)) on_imu(*sample);
+    const auto sample = sample_of(packet);
+    if (sample && is_of_vehicle(packet.from)) on_imu(*sample);
   });
+}
+
+/// Of several IMUs on the line that of the vehicle's system, or else the first, is used.
+bool MavlinkLink::is_of_vehicle(const mavlink::Address& from) {
+  if (!imu_of_ || (from.system == settings_.system && imu_of_->system != from.system)) {
+    imu_of_ = from;
+    timesync_ = mavlink::TimesyncClient();
+  }
+  return *imu_of_ == from;
 }
 
 std::optional<ImuSample> MavlinkLink::sample_of(const Packet& packet) const {

@@ -37,7 +37,8 @@ class MavlinkLink : public Listener {
   MavlinkLink(const Settings& settings, Send send);
 
   /// Bytes of the autopilot. Requests are answered at once.
-  /// @param on_imu called for each sample of its first IMU, in its clock
+  /// @param on_imu called for each sample of its first IMU, in its clock; not for those of other
+  /// vehicles on the line
   void receive(const std::uint8_t* bytes, std::size_t count, Time arrival, const OnImu& on_imu);
   /// To be called about ten times a second: HEARTBEAT, requests.
   void tick(const Session& session, Time now);
@@ -56,12 +57,14 @@ class MavlinkLink : public Listener {
   template <class Message>
   bool send(const Message& message);
   std::optional<ImuSample> sample_of(const mavlink::Packet& packet) const;
+  bool is_of_vehicle(const mavlink::Address& from);
 
   Settings settings_;
   Send send_;
   mavlink::Writer writer_;
   mavlink::Parser parser_;
-  std::set<std::uint32_t> received_;  ///< messages
+  std::set<std::uint32_t> received_;        ///< messages
+  std::optional<mavlink::Address> imu_of_;  ///< sender of the samples, whose clock is asked
   mavlink::TimesyncClient timesync_;
   mavlink::RateLimiter odometry_due_;
   mavlink::RateLimiter second_{1.0};

@@ -38,11 +38,11 @@ struct Autopilot {
   }
 };
 
-/// The autopilot sends a message.
+/// The autopilot, or another, sends a message.
 template <class Message>
-void say(const Message& message, Time arrival, MavlinkLink* link,
-         const MavlinkLink::OnImu& on_imu) {
-  mavlink::Writer writer({1, 1});
+void say(const Message& message, Time arrival, MavlinkLink* link, const MavlinkLink::OnImu& on_imu,
+         const mavlink::Address& from = {1, 1}) {
+  mavlink::Writer writer(from);
   std::uint8_t frame[mavlink::kMaxFrame];
   link->receive(frame, writer.write(message, frame, sizeof frame), arrival, on_imu);
 }
@@ -128,6 +128,35 @@ TEST(MavlinkLink, FindsTheClockOfTheAutopilot) {
   ASSERT_TRUE(link.host_offset());
   EXPECT_EQ(*link.host_offset(), now - std::chrono::seconds(1));
   EXPECT_TRUE(autopilot.heartbeats.empty());
+}
+
+/// As with another vehicle, with MAVROS, which answers too, or with a line that echoes.
+TEST(MavlinkLink, TakesImuAndClockOfTheVehicleAlone) {
+  Autopilot autopilot;
+  MavlinkLink link({.rate = 0.0, .system = 2, .asks_clock = true}, autopilot.hear());
+  const Session session(setup(), {});
+  mavlink::HighresImu imu;
+  imu.fields_updated = 0x3F;
+  Time now = std::chrono::hours(2);
+  std::vector<Time> samples;
+  const auto keep = [&](const ImuSample& sample) { samples.push_back(sample.time); };
+  const std::uint8_t senders[] = {1, 2, 3, 1, 2};
+  for (const std::uint8_t system : senders) {
+    imu.time_usec += 5000;
+    say(imu, now, &link, keep, {system, 1});
+  }
+  const std::vector<Time> of_first_and_vehicle = {
+      std::chrono::milliseconds(5), std::chrono::milliseconds(10), std::chrono::milliseconds(25)};
+  EXPECT_EQ(samples, of_first_and_vehicle);
+  link.tick(session, now);
+  Timesync answer = autopilot.timesyncs.at(0);
+  answer.tc1 = now.count();
+  for (const mavlink::Address from : {mavlink::Address{2, 191}, {2, 197}, {1, 1}}) {
+    say(answer, now, &link, keep, from);
+    EXPECT_FALSE(link.host_offset());
+  }
+  say(answer, now, &link, keep, {2, 1});
+  EXPECT_TRUE(link.host_offset());
 }
 
 }  // namespace

@@ -49,6 +49,10 @@ class Crc16 {
 struct Address {
   std::uint8_t system = 1;
   std::uint8_t component = 197;  ///< MAV_COMP_ID_VISUAL_INERTIAL_ODOMETRY
+
+  friend bool operator==(const Address& a, const Address& b) {
+    return a.system == b.system && a.component == b.component;
+  }
 };
 
 /// Frames the messages of one sender. No allocation.
