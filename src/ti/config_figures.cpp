@@ -162,7 +162,9 @@ bool derive(const Config& all, ConfigFigures* figures, std::string* why) {
   const double band = kLight * p.rate / (2.0 * p.slope);
   f.range_resolution = band / f.samples;
   f.range_grid = band / f.range_bins;
-  f.max_range = kUsableBand * band;
+  const ConfigCommand* samples = config.find("adcCfg");
+  const bool shows_image = samples != nullptr && samples->number(1) == 2.0;
+  f.max_range = kUsableBand * band * (shows_image ? 0.5 : 1.0);
   f.chirp_block = from_seconds(f.loops * loop);
   const auto cells = size_of(f.range_bins) * size_of(f.doppler_bins);
   const auto chirp_cells = size_of(f.range_bins) * size_of(f.loops) * size_of(f.chirps);

@@ -36,6 +36,16 @@ class CommandCheck : private ConfigCheck {
   /// A line that the figures need has a wrong number of arguments.
   bool miscounted() const { return miscounted_; }
 
+  /// The last argument is the switch in every SDK.
+  void check_clutter(const ConfigCommand& c) {
+    const std::size_t last = c.arguments.size() - 1;
+    if (c.arguments.empty() || c.number(last) == 0.0) return;
+    add(LintKind::kClutterRemoval, true, &c,
+        "clutter removal deletes what has no Doppler: all of the world when the vehicle stands, "
+        "what is abeam when it moves",
+        line_of(c, last, "0"));
+  }
+
  private:
   void check_commands() {
     for (const ConfigCommand& command : all_.commands) {
@@ -168,13 +178,7 @@ class CommandCheck : private ConfigCheck {
   }
 
   void check_detection() {
-    each("clutterRemoval", [&](const ConfigCommand& c) {
-      if (c.number(1) == 0.0) return;
-      add(LintKind::kClutterRemoval, true, &c,
-          "clutter removal deletes what has no Doppler: all of the world when the vehicle stands, "
-          "what is abeam when it moves",
-          line_of(c, 1, "0"));
-    });
+    each("clutterRemoval", [&](const ConfigCommand& c) { check_clutter(c); });
     each("cfarCfg", [&](const ConfigCommand& c) {
       if (!(c.number(7) > kHighCfar)) return;
       add(LintKind::kCfarTooHigh, true, &c,
@@ -265,13 +269,20 @@ std::string format(const char* pattern, ...) {
 }
 
 std::vector<LintFinding> lint(const Config& config, const RadarUse& use) {
-  if (const LintFinding only = headline(config); !only.text.empty()) return {only};
   std::vector<LintFinding> findings;
+  const Config in_force = without_replaced(config);
+  CommandCheck commands(config, in_force, &findings);
+  if (const LintFinding only = headline(config); !only.text.empty()) {
+    findings.push_back(only);
+    const ConfigCommand* clutter = in_force.find("clutterRemoval");
+    if (only.kind == LintKind::kOtherFirmware && clutter != nullptr) {
+      commands.check_clutter(*clutter);
+    }
+    return findings;
+  }
   ConfigFigures figures;
   std::string why;
   const bool has_figures = derive(config, &figures, &why);
-  const Config in_force = without_replaced(config);
-  CommandCheck commands(config, in_force, &findings);
   commands.run();
   if (has_figures) {
     check_figures(in_force, figures, use, &findings);

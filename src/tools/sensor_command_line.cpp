@@ -133,7 +133,7 @@ void add_ti_config_command(CLI::App& app) {
       app, "ti-config",
       "Is the configuration of a TI radar (.cfg, SDK 3.x) fit for odometry? What it will measure,\n"
       "what is wrong, what to write instead, the options. Exit status 3 if something is wrong, or "
-      "if it\nis of other firmware, which is named and not judged");
+      "if it\nis of other firmware, which is named and not judged (but clutter removal)");
   TiConfigArguments* to = command.runs(&ti_config);
   command.add("FILE", &to->file, "configuration, as sent to the radar", kRequired);
   command.add("--speed", &to->speed, "of the vehicle at most [m/s]", kPositive, kShown);

@@ -31,6 +31,8 @@ TEST(TiConfigFigures, FiguresOfTheCommittedOne) {
   rio::test::measured("unambiguous speed, m/s", f.max_speed, "at least 5");
   rio::test::measured("grid of the speed, m/s", f.speed_grid, "below 0.1");
   EXPECT_GE(f.max_speed, 5.0);
+  const std::string with_image = replaced(committed(), "adcCfg 2 1", "adcCfg 2 2");
+  EXPECT_NEAR(figures_of(with_image).max_range, 0.5 * f.max_range, 1e-9);
 }
 
 /// The set-up of the 2023 paper: 0.039 m, 16.28 m, +-1.51 m/s, 32 bins of 0.094 m/s. A chirp of it

@@ -134,7 +134,7 @@ TEST(TiConfig, EveryPlantedMistakeIsFound) {
   EXPECT_EQ(found, 48);
 }
 
-/// Of the committed one with other lines: one finding, no figures.
+/// Of the committed one with other lines: one finding, no figures; and the clutter removal.
 TEST(TiConfig, OtherFirmwareIsNamedAndNotJudged) {
   const std::string base = committed();
   const std::string low_power =
@@ -170,6 +170,11 @@ TEST(TiConfig, OtherFirmwareIsNamedAndNotJudged) {
     ConfigFigures figures;
     EXPECT_FALSE(derive(parse_config(text), &figures)) << name;
   }
+  const std::vector<LintFinding> moving =
+      lint_text(replaced(low_power, "clutterRemoval 0", "clutterRemoval 1"));
+  ASSERT_EQ(moving.size(), 2U) << all(moving);
+  EXPECT_EQ(moving[1].kind, LintKind::kClutterRemoval);
+  EXPECT_EQ(moving[1].change, "clutterRemoval 0");
   for (const char* line : {"peakGrouping -1 1 1 1 1 200", "oneCfg 1\noneCfg 2\ntwoCfg 1",
                            "chanelCfg 1\nframCfg 1\nlowPowr 0", "//one\n//two\n;three\n; four"}) {
     EXPECT_EQ(other_firmware(parse_config(base + line)), nullptr) << line;

@@ -54,9 +54,11 @@ struct ConfigFigures {
   double speed_grid = 0.0;  ///< 2 max_speed / Doppler bins, a power of two >= loops [m/s]
   double range_resolution = 0.0;  ///< c fs / (2 S n) [m]
   double range_grid = 0.0;        ///< c fs / (2 S range bins), a power of two >= n [m]
-  double max_range = 0.0;         ///< 0.8 c fs / (2 S): 0.8 of the band of the samples [m]
-  Time period{0};                 ///< of the frames
-  Time chirp_block{0};            ///< loops x Tl
+  /// 0.8 c fs / (2 S): 0.8 of the band of the samples; half of it if they show the image band, too
+  /// (complex 2x, adcCfg 2 2) [m]
+  double max_range = 0.0;
+  Time period{0};       ///< of the frames
+  Time chirp_block{0};  ///< loops x Tl
   int loops = 0;
   int chirps = 0;  ///< per loop
   int samples = 0;
@@ -107,7 +109,7 @@ enum class LintKind : std::uint8_t {
   kNarrowView,          ///< points are rejected by angle
   kSpeedCut,            ///< cfarFovCfg: points are rejected by speed
   kFlatElevation,       ///< the transmitters do not resolve elevation
-  kOtherFirmware,       ///< not of the demo of SDK 3.x: nothing else was judged
+  kOtherFirmware,       ///< not of the demo of SDK 3.x: nothing but the clutter removal was judged
   kFewScans,            ///< fewer than ten a second
   kCount
 };
