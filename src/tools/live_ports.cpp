@@ -21,15 +21,20 @@ namespace {
 constexpr int kCliBaud = 115200;
 
 /// Sensor properties from the configuration, if the sensor file does not have them.
-void complete(io::RadarInfo* info, const ti::ConfigFigures& figures) {
-  const auto set = [](std::optional<double>* to, double value) {
+void complete(io::RadarInfo* info, const ti::ConfigFigures& figures, const std::string& path) {
+  constexpr double kSame = 0.02;  // of the value; files are rounded
+  const auto set = [&path](std::optional<double>* to, double value, const char* key) {
+    if (to->has_value() && key != nullptr && std::abs(**to - value) > kSame * value) {
+      print_notes({fmt::format("radar0/sensor.yaml has {} {:.4g}, {} {:.4g}: correct the wrong one",
+                               key, **to, path, value)});
+    }
     if (!to->has_value()) *to = value;
   };
-  set(&info->rate_hz, figures.frame_rate());
-  set(&info->max_doppler, figures.max_speed);
-  set(&info->doppler_resolution, figures.speed_grid);
-  set(&info->range_resolution, figures.range_grid);
-  set(&info->max_range, figures.max_range);
+  set(&info->rate_hz, figures.frame_rate(), "rate_hz");
+  set(&info->max_doppler, figures.max_speed, "max_doppler_mps");
+  set(&info->doppler_resolution, figures.speed_grid, "doppler_resolution_mps");
+  set(&info->range_resolution, figures.range_grid, "range_resolution_m");
+  set(&info->max_range, figures.max_range, nullptr);  // a limit that a user chooses, too
 }
 
 /// Of the sensor file of radar r, or of the first one if that has none.
@@ -47,17 +52,20 @@ Time period_of(const io::Dataset& sensors, std::size_t r) {
   return from_seconds(1.0 / *rate);
 }
 
-/// The figures of a configuration; its errors for odometry are noted.
 ti::ConfigFigures figures_of(const std::string& path, const ti::Config& config) {
   ti::ConfigFigures figures;
   std::string why;
   if (!ti::derive(config, &figures, &why)) throw std::runtime_error(path + ": " + why);
+  return figures;
+}
+
+/// The errors of a configuration for odometry.
+void note_errors(const std::string& path, const ti::Config& config) {
   for (const ti::LintFinding& finding : ti::lint(config)) {
-    if (!finding.wrong) continue;
+    if (!finding.wrong || finding.kind == ti::LintKind::kOtherFirmware) continue;
     fmt::print(stderr, "note: {}:{}: {}: {}\n", path, finding.line, to_string(finding.kind),
                finding.text);
   }
-  return figures;
 }
 
 /// Passes on the answer of the port within a tenth of a second.
@@ -107,11 +115,12 @@ LiveSensors find_sensors(const LiveArguments& arguments) {
   if (other != nullptr) timing.baud = other->baud;
   if (configured) {
     const ti::ConfigFigures figures = figures_of(path, sensors.config);
-    complete(&sensors.info.radar_info, figures);
+    complete(&sensors.info.radar_info, figures, path);
     timing.period = figures.period;
     timing.chirp_block = figures.chirp_block;
     timing.baud = figures.baud;
   }
+  if (!path.empty()) note_errors(path, sensors.config);
   sensors.setup.options = make_options(arguments.estimator, sensors.info);
   sensors.setup.options.timing.clock = &live::HostClock::real;
   for (std::size_t r = 0; r < arguments.radars.size(); ++r) {

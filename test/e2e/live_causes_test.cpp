@@ -276,6 +276,8 @@ TEST_F(LiveCauses, WrongCommandLines) {
                     no_byte = "; no sample of the IMU: no byte came";
   fails(1, both + with, {"nothing is not there", "no sample of the IMU"});
   fails(1, both + with, {"rio: radar 0: " + file("nothing") + " is not there" + no_byte});
+  fails(1, both + with + " --radar-cfg " RIO_SOURCE_DIR "/data/awr1843boost_odometry.cfg",
+        {"note: radar0/sensor.yaml has rate_hz 15, ", "boost_odometry.cfg 20: correct the wrong"});
   fails(1, imu + " --radar /dev/null" + with,
         {"rio: radar 0: /dev/null has ended without a byte" + no_byte});
 }
