@@ -109,6 +109,7 @@ Time FrameClock::stamp(const Frame& frame) {
 /// tell how fast the host reads.
 void FrameClock::count(std::uint32_t number, Time first_byte) {
   const Counted now{number, first_byte};
+  if (!newest_.empty() && number < newest_.back().number) newest_.clear();  // it has restarted
   const Time burst = from_seconds(kBurst * period_);
   if (!newest_.empty() && within(first_byte - newest_.back().first_byte, Time{0}, burst)) {
     newest_[newest_.size() - 1] = now;

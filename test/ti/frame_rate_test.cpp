@@ -100,6 +100,18 @@ TEST(FrameRate, AWrongRateIsToldAsSoonAsItIsSignificant) {
   }
 }
 
+TEST(FrameRate, AfterARestartTheNewFramesCount) {
+  SendingRadar before(usual()), after(usual(), 1.0);
+  FrameClock clock(usual());
+  for (std::uint32_t n = 0; n < 300; ++n) clock.stamp(before.frame(n));
+  EXPECT_FALSE(clock.other_period());
+  std::uint32_t n = 0;
+  while (n < 300 && !clock.other_period()) {
+    clock.stamp(after.frame(++n, Time{0}, Time{0}, seconds(25)));
+  }
+  EXPECT_LT(n, 15U);
+}
+
 // The frames of a stall come at once: they tell nothing of the rate, and do not hide a wrong one.
 TEST(FrameRate, AStallIsNoOtherRate) {
   for (const double off : {0.0, 0.2, -0.2}) {
