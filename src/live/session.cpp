@@ -170,13 +170,11 @@ Time Session::host_offset() const {
 
 std::string ScanWatch::look(const ti::PacketReader& reader, Time now, const std::string& times) {
   const ti::PacketCounters& counters = reader.counters();
-  const std::uint64_t frames = counters.points > 0 ? counters.frames : 0;
-  if (!waits_ || frames != frames_) {
+  if (!waits_ || counters.points != at_.points) {
     const bool back = silent_;
     waits_ = true;
     silent_ = false;
-    frames_ = frames;
-    bytes_ = counters.bytes;
+    at_ = counters;
     since_ = now;
     if (back) return "scans again";
   }
@@ -192,7 +190,11 @@ std::string ScanWatch::look(const ti::PacketReader& reader, Time now, const std:
   silent_ = true;
   const std::string problem = reader.problem();
   if (counters.bytes == 0) return "no scan for 10 s; " + problem;
-  const std::uint64_t bytes = counters.bytes - bytes_;
+  if (counters.frames > at_.frames && problem.empty()) {
+    return "packets without points for 10 s: nothing is detected (clutter removal is on, or the "
+           "thresholds are too high)";
+  }
+  const std::uint64_t bytes = counters.bytes - at_.bytes;
   const std::string seen = bytes == 0 ? "no byte came" : std::to_string(bytes) + " bytes came";
   return "no scan for 10 s; " + seen + (bytes == 0 || problem.empty() ? "" : ": " + problem);
 }

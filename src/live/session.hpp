@@ -148,12 +148,11 @@ class ScanWatch {
   std::string look(const ti::PacketReader& reader, Time now, const std::string& times = {});
 
  private:
-  Time since_{0};  ///< without a scan
-  std::uint64_t frames_ = 0;
-  std::uint64_t bytes_ = 0;
-  bool waits_ = false;   ///< since the first look
-  bool timed_ = false;   ///< that times are wrong was said
-  bool silent_ = false;  ///< that there is no scan was said
+  Time since_{0};          ///< without a scan
+  ti::PacketCounters at_;  ///< then
+  bool waits_ = false;     ///< since the first look
+  bool timed_ = false;     ///< that times are wrong was said
+  bool silent_ = false;    ///< that there is no scan was said
   ti::StreamState said_ = ti::StreamState::kSilent;
 };
 

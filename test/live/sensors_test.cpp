@@ -135,8 +135,8 @@ class Watched {
   void push(const Bytes& bytes) {
     reader_.push(bytes.data(), bytes.size(), Time{0}, [](const ti::Frame& /*frame*/) {});
   }
-  void push_packet(std::uint32_t version = 0x03060000) {
-    ti::test::WrittenPacket packet = ti::test::some_packet(number_, 5);
+  void push_packet(std::uint32_t version = 0x03060000, int points = 5) {
+    ti::test::WrittenPacket packet = ti::test::some_packet(number_, points);
     ++number_;
     packet.version = version;
     push(packet.bytes());
@@ -184,6 +184,19 @@ TEST(ScanWatch, SaysNothingWhileScansCome) {
     radar.push_packet();
     EXPECT_EQ(radar.wait(1), "");
   }
+}
+
+TEST(ScanWatch, SaysThatPacketsHaveNoPointsAnyMore) {
+  Watched radar;
+  radar.push_packet();
+  std::string said;
+  for (int i = 0; i < 30; ++i) {
+    radar.push_packet(0x03060000, 0);
+    said += radar.wait(1);
+  }
+  EXPECT_EQ(said,
+            "packets without points for 10 s: nothing is detected (clutter removal is on, or the "
+            "thresholds are too high)\n");
 }
 
 TEST(ScanWatch, SaysOnceThatTimesAreWrong) {
