@@ -44,7 +44,7 @@ Vector3d vector_at(const std::uint8_t* at) {
 /// Reads a number and, except for the last one, the comma after it.
 template <class T>
 bool read_field(const char** at, const char* end, bool last, T* value) {
-  while (*at < end && **at == ' ') ++*at;
+  while (*at < end && (**at == ' ' || **at == '+')) ++*at;
   const auto [next, error] = std::from_chars(*at, end, *value);
   if (error != std::errc()) return false;
   *at = next;

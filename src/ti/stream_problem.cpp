@@ -32,9 +32,10 @@ constexpr const char* kDataPort = "give the data port of the radar";
 constexpr const char* kExchange =
     "give the data port of the radar; --imu and --radar may be exchanged";
 constexpr const char* kNotRead = "not read; send its samples as csv lines or MAVLink";
-constexpr OtherDevice kNumbers = {
-    "numbers in text, as of an IMU", kExchange,
-    "--imu-format csv, in the columns of data/INTEGRATION.md, with commas"};
+constexpr OtherDevice kNumbers = {"numbers in text, as of an IMU", kExchange,
+                                  "--imu-format csv, in the columns of data/INTEGRATION.md, with "
+                                  "commas, the stamp a whole number "
+                                  "of ns"};
 
 /// Each recognised by bytes that come again and again; '?' is any byte.
 using namespace std::string_view_literals;

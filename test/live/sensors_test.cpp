@@ -117,7 +117,7 @@ TEST(ImuFrames, DamageCostsOnlyTheFrameItHits) {
 
 TEST(ImuLines, OfARecordingAreRead) {
   const std::string text =
-      "#timestamp [ns],w_RS_S_x [rad s^-1]\n1700000000000000000,0.1,-2e-3,0,1,2.5,9.81\r\n"
+      "#timestamp [ns],w_RS_S_x [rad s^-1]\n1700000000000000000,+0.1,-2e-3,0,1,2.5,9.81\r\n"
       "what is this\n1700000000005000000, 0.2,0,0,0,0,9.8,\n5,1,2,3,4,5\n";
   for (const std::size_t piece : {1U, 1000U}) {
     Reading<ImuLineReader> reading;
