@@ -57,7 +57,7 @@ void EstimateFiles::on_estimate(const Session& session, Time /*arrival*/) {
   std::fflush(stdout);  // the reader waits for it
 }
 
-void EstimateFiles::close() {
+void EstimateFiles::on_end() {
   path_.close();
   if (json_) json_->close();
 }

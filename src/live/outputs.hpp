@@ -23,7 +23,7 @@ class EstimateFiles : public Listener {
   EstimateFiles(const std::string& tum, const std::string& states, const std::string& json);
 
   void on_estimate(const Session& session, Time arrival) override;
-  void close() override;
+  void on_end() override;
 
  private:
   io::PathFiles path_;
@@ -47,7 +47,7 @@ class RecorderTo : public Listener {
   void on_scan(const Session& /*session*/, const RadarScan& scan, std::size_t radar) override {
     file_.add(scan, radar);
   }
-  void close() override { file_.close(); }
+  void on_end() override { file_.close(); }
 
  private:
   File file_;

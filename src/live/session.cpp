@@ -128,7 +128,7 @@ void Session::flush(std::size_t r) {
 
 void Session::end() {
   for (std::size_t r = 0; r < radars_.size(); ++r) flush(r);
-  tell([](Listener* listener) { listener->close(); });
+  tell([](Listener* listener) { listener->on_end(); });
 }
 
 void Session::imu(const ImuSample& sample, Time arrival) {

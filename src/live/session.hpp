@@ -38,7 +38,7 @@ class Listener {
   /// @param arrival of the last byte of that scan
   virtual void on_estimate(const Session& /*session*/, Time /*arrival*/) {}
   /// No event will come any more.
-  virtual void close() {}
+  virtual void on_end() {}
 };
 
 /// Of one radar; a frame may be left out for several reasons.

@@ -114,11 +114,11 @@ TEST(Session, GoesOnWithoutAListenerThatThrows) {
       throw std::runtime_error("no space left");
     }
     void on_imu(const Session& /*session*/, const ImuSample& /*sample*/) override { ++samples; }
-    void close() override { ADD_FAILURE() << "it threw"; }
+    void on_end() override { ADD_FAILURE() << "it threw"; }
     std::size_t samples = 0;
   } full;
   struct Closed : Listener {
-    void close() override { throw std::runtime_error("no folder"); }
+    void on_end() override { throw std::runtime_error("no folder"); }
   } closed;
   Estimates live;
   Session session(setup(), {&full, &live, &closed});
@@ -201,7 +201,7 @@ TEST(Session, RecordsWhatReplaysAsItFlew) {
   Recorder recorder(dir.path() / "flight", {});
   Session session(setup(), {&live, &recorder});
   fly({.dropped = 0.01, .damaged = 0.01, .delayed = 0.1}, &session);
-  recorder.close();
+  session.end();
   const io::Dataset recorded = io::read_dataset(dir.path() / "flight");
   ASSERT_EQ(recorded.imu.size(), live.imu.size());
   ASSERT_EQ(recorded.scans.size(), live.scans.size());
