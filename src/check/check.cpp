@@ -145,24 +145,27 @@ Findings check_one_radar(const CheckedImu& imu, const Scans& recorded,
       gyro_unit = kDegree;
     }
   }
-  const auto data = [&](const std::vector<RadarSpeed>& some) {
-    return MotionData{
-        imu.good, some, gyro_unit, imu.check.accel_unit, ranges.sign, imu.check.rest.accel};
+  const auto judged = [&](const std::vector<RadarSpeed>& some, double scale_error) {
+    return check_motion({imu.good, some, gyro_unit, imu.check.accel_unit, ranges.sign,
+                         imu.check.rest.accel, scale_error},
+                        options, advice);
   };
-  Findings motion = check_motion(data(speeds), options, advice);
+  constexpr double kSlight = 1.25;
+  Findings motion = judged(speeds, kSlight);
   if (motion.size() == 1) {  // explains nothing
     const auto some = radar_speeds(without_points_of(speeds, scans, limit), read);
-    const Findings others = check_motion(data(some), options, advice);
+    const Findings others = judged(some, kSlight);
     if (others.size() > 1 && worst(others) == Verdict::kOk) motion = {most_points_move(others[0])};
   }
   const bool may_be_half = !(limit > 0.0) || fastest(scans) < kHalf * limit;
   if (may_be_half && worst(motion) == Verdict::kOk) {
     const std::vector<RadarSpeed> doubled = radar_speeds(with_twice_the_doppler(scans), read);
-    MotionData sure = data(doubled);
-    sure.scale_error = 1.0;  // twice the right Doppler is not much off, either
-    const Findings twice = check_motion(sure, options, advice);
-    if (twice.size() > 1 && worst(twice) == Verdict::kOk)
-      motion = {doppler_is_half(twice[0], advice)};
+    const auto fits = [&](const std::vector<RadarSpeed>& some) {
+      const Findings found = judged(some, 1.0);  // twice the right Doppler is not much off, either
+      return found.size() > 1 && worst(found) == Verdict::kOk ? found : Findings();
+    };
+    const Findings twice = fits(doubled);
+    if (!twice.empty() && fits(speeds).empty()) motion = {doppler_is_half(twice[0], advice)};
   }
   if (motion[0].subject == "Doppler") {  // beyond its limit, or of odd rates, for the same reason
     std::erase_if(out, [](const Finding& f) {

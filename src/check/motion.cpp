@@ -139,10 +139,13 @@ Agreement& Agreement::operator+=(const Agreement& other) {
 }
 
 double Agreement::explained(const Matrix3d& R) const {
-  const Eigen::Map<const Eigen::Matrix<double, 9, 1>> r(R.data());  // column-wise
-  const double along = b.dot(r);
-  const double square = r.dot(A * r);
-  return c > 0.0 && along > 0.0 && square > 0.0 ? along * along / (c * square) : 0.0;
+  const double along = b.dot(R.reshaped());  // column-wise
+  const double moves = square(R);
+  return c > 0.0 && along > 0.0 && moves > 0.0 ? along * along / (c * moves) : 0.0;
+}
+
+double Agreement::square(const Matrix3d& R) const {
+  return R.reshaped().dot(A * R.reshaped());
 }
 
 double Agreement::movement() const {

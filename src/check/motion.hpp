@@ -19,6 +19,9 @@
 //      has dozens, but the errors of the models repeat within it.
 // (E7) an error p of the lever arm is linear, too: G gets the columns -C [w]x, and p is eliminated
 //      from A, b and c with a prior on it
+// (E8) r^T A r - (b^T r)^2 / c: what the motion of the IMU leaves of the radar. Delays are compared
+//      by it: the noise of the radar adds the same for each, while (E4) prefers the delays for
+//      which r^T A r is large.
 // All hypotheses share A, b and c, so that evaluating one is cheap. Compare
 // checks/velocity_check.hpp and propagate/moving_start.hpp.
 #pragma once
@@ -64,6 +67,10 @@ struct Agreement {
   Agreement& operator+=(const Agreement& other);
   /// (E4); R may be improper: mirrored axes, or a flipped Doppler.
   double explained(const Matrix3d& R) const;
+  /// r^T A r: how much the radar moves.
+  double square(const Matrix3d& R) const;
+  /// (E8)
+  double residual(const Matrix3d& R) const { return square(R) * (1.0 - explained(R)); }
   /// Variation of the radar velocity that v_0 and g do not explain, in any axes: rms [m/s].
   double movement() const;
   /// The same of the velocity that the IMU measures [m/s].

@@ -68,59 +68,59 @@ const Agreement& windows_to_judge(const std::vector<Agreement>& shifts, const Op
              : configured;
 }
 
-/// The shift of the stamps that explains the most.
+/// The shift of the stamps with the least residual (E8).
 struct Shift {
   double seconds = 0.0;
-  double explained = 0.0;
+  double sure = 0.0;    ///< (E6), over the configured delay [sigmas]
+  bool at_end = false;  ///< of those tested
 };
 
 Shift best_shift(const std::vector<Agreement>& shifts, const Matrix3d& R) {
   std::vector<double> explained;
-  for (const Agreement& windows : shifts) explained.push_back(windows.explained(R));
+  for (const Agreement& windows : shifts) {
+    explained.push_back(1.0 - windows.residual(R) / shifts[kShifts].square(R));
+  }
   const auto best = std::max_element(explained.begin(), explained.end());
   const auto index = static_cast<int>(std::distance(explained.begin(), best));
-  Shift out{kShiftStep * (index - kShifts), *best};
-  if (best != explained.begin() && best + 1 != explained.end()) {  // parabola through three points
-    const double curvature = best[-1] - 2.0 * best[0] + best[1];
-    if (curvature < 0.0) out.seconds += 0.5 * kShiftStep * (best[-1] - best[1]) / curvature;
-  }
+  Shift out{kShiftStep * (index - kShifts),
+            significance(explained[kShifts], *best, shifts[kShifts].windows),
+            std::abs(index - kShifts) == kShifts};
+  if (out.at_end) return out;
+  const double curvature = best[-1] - 2.0 * best[0] + best[1];  // parabola through three points
+  if (curvature < 0.0) out.seconds += 0.5 * kShiftStep * (best[-1] - best[1]) / curvature;
   return out;
 }
 
 /// @param R axes of the radar as found
+/// @param at_end whether the delay may be longer than all shifts
 Finding check_delay(const std::vector<Agreement>& shifts, const Matrix3d& R, const Options& options,
-                    const Advice& advice) {
+                    const Advice& advice, bool* at_end) {
   constexpr double kNotable = 0.02;  // [s]
   constexpr double kWrong = 0.045;   // not corrected by an estimator with a prior of 30 ms [s]
   constexpr double kMaybe = 2.0;     // sigmas
   const double configured = options.radar.time_offset;
   const Shift shift = best_shift(shifts, R);
-  const double sure =
-      significance(shifts[kShifts].explained(R), shift.explained, shifts[kShifts].windows);
+  *at_end = shift.at_end;
   Finding out{Verdict::kOk, "delay of the radar",
-              fmt::format("radar and IMU agree best with the radar's stamps moved by {:+.0f} ms",
-                          1e3 * shift.seconds)};
+              fmt::format("radar and IMU agree best with the radar's stamps moved by {:+.0f} ms{}",
+                          1e3 * shift.seconds, shift.at_end ? " or more" : "")};
   const double size = std::abs(shift.seconds);
-  out.text += fmt::format(", by {:.1f} sigmas", sure);
-  if (size < kNotable || sure < kMaybe) return out;
-  out.verdict = size > kWrong && sure > kSignificant ? Verdict::kWrong : Verdict::kDoubtful;
+  out.text += fmt::format(", by {:.1f} sigmas", shift.sure);
+  if (size < kNotable || shift.sure < kMaybe) return out;
+  out.verdict = size > kWrong && shift.sure > kSignificant ? Verdict::kWrong : Verdict::kDoubtful;
+  if (shift.at_end) {
+    out.change = "look at the clocks of both sensors: the delay is longer than tested, or varies";
+    return out;
+  }
   const double offset = configured - shift.seconds;
   out.change = advice.option(fmt::format("time_offset: {:.3f}", offset),
                              fmt::format("time_offset_s: {:.3f}", offset));
   return out;
 }
 
-/// Whether the first or the last shift explains the motion best.
-bool ends_at_the_best(const std::vector<Agreement>& shifts, const Options& options,
-                      DopplerSign sign) {
-  const std::vector<double> most = most_explained(shifts, options, sign);
-  const auto best = std::max_element(most.begin(), most.end());
-  return *best > kExplained && (best == most.begin() || best + 1 == most.end());
-}
-
 /// A delay beyond those of check_delay(), with which radar and IMU agree at last; empty if there is
 /// none.
-/// @param near explained at most with those of check_delay()
+/// @param near explained at most with the configured one
 std::optional<Finding> check_far_delay(const MotionData& data, double length, double near,
                                        const Options& options, const Advice& advice) {
   constexpr double kFarthest = 4.0;                        // [s]
@@ -196,7 +196,8 @@ Finding check_scale(const Judge& judge, const Matrix3d& R) {
   return out;
 }
 
-Findings check_in_windows(const Judge& judge, const std::vector<Agreement>& shifts) {
+/// @param at_end of check_delay()
+Findings check_in_windows(const Judge& judge, const std::vector<Agreement>& shifts, bool* at_end) {
   std::vector<Axes> alike;
   const Axes found = choose_axes(judge, &alike);
   if (const auto gyro = check_gyro_by_radar(judge, judge.all.explained(found.R))) return {*gyro};
@@ -204,7 +205,7 @@ Findings check_in_windows(const Judge& judge, const std::vector<Agreement>& shif
   if (judge.all.explained(found.R) < kExplained) return {axes};
   const Finding scale = check_scale(judge, found.R);
   if (scale.subject != "Doppler scale") return {scale};  // the axes of what is left tell nothing
-  return {axes, scale, check_delay(shifts, found.R, judge.options, judge.advice)};
+  return {axes, scale, check_delay(shifts, found.R, judge.options, judge.advice, at_end)};
 }
 
 }  // namespace
@@ -224,13 +225,13 @@ Findings check_motion(const MotionData& data, const Options& options, const Advi
                "fly for half a minute with changes of speed and turns"}};
     }
     const Options seen = as_seen(options, windows);
-    Findings found = check_in_windows({data, windows, length, seen, advice}, shifts);
+    bool at_end = false;
+    Findings found = check_in_windows({data, windows, length, seen, advice}, shifts, &at_end);
     const bool told = found.size() > 1 || found.front().verdict == Verdict::kWrong;
     const bool unexplained = !told && found.front().verdict == Verdict::kDoubtful;
-    if (first.empty() && (unexplained || ends_at_the_best(shifts, seen, data.doppler_sign))) {
-      if (const auto delay = check_far_delay(
-              data, kLengths[0], most_explained(windows, seen, data.doppler_sign), seen, advice))
-        return {*delay};
+    if (at_end || (first.empty() && unexplained)) {
+      const double near = most_explained(shifts[kShifts], seen, data.doppler_sign);
+      if (const auto delay = check_far_delay(data, length, near, seen, advice)) return {*delay};
     }
     if (told) return found;
     if (first.empty()) first = found;

@@ -37,7 +37,7 @@ struct MotionData {
   double accel_unit = 1.0;                           ///< of check_imu()
   DopplerSign doppler_sign = DopplerSign::kUnknown;  ///< of check_ranges()
   Vector3d up = Vector3d::Zero();                    ///< Rest::accel
-  double scale_error = 1.25;  ///< factor by which a Doppler scale may be off and is right
+  double scale_error = 1.0;  ///< factor by which a Doppler scale may be off and is right
 };
 
 /// @param options with the mounting of the radar as that of the first one
