@@ -98,6 +98,14 @@ std::optional<std::string> mirror_text(const Matrix3d& M, const char* whose) {
 }
 
 std::string describe(const Matrix3d& configured, const Axes& axes, DopplerSign sign) {
+  if (!axes.about.isZero()) {
+    const Vector3d along = (axes.doppler_flipped ? -1.0 : 1.0) * (axes.R * axes.about);
+    return fmt::format(
+        "{}the direction ({:.2f} {:.2f} {:.2f}) of the radar is ({:.2f} {:.2f} {:.2f}) of the "
+        "body; the turn about it is not shown",
+        axes.doppler_flipped ? "the Doppler has the wrong sign and " : "", axes.about.x(),
+        axes.about.y(), axes.about.z(), along.x(), along.y(), along.z());
+  }
   if (!axes.doppler_flipped) return "the radar is turned by " + turn_text(configured, axes.R);
   if (axes.turn < 1e-6) return "the Doppler has the wrong sign";
   const std::string turned =
@@ -109,6 +117,9 @@ std::string describe(const Matrix3d& configured, const Axes& axes, DopplerSign s
 
 std::string change_of(const Matrix3d& configured, const Axes& axes, DopplerSign sign,
                       const Options& options, const Advice& advice) {
+  if (!axes.about.isZero()) {
+    return "measure the mounting, or fly with changes of speed in other directions, too";
+  }
   const auto turned = [&](const Matrix3d& R) {
     const bool mounted = (advice.info != nullptr && advice.info->T_BS.has_value()) ||
                          (configured - Matrix3d::Identity()).norm() > 1e-6;

@@ -25,6 +25,8 @@ struct Axes {
   Matrix3d R = Matrix3d::Identity();  ///< from radar axes to body axes; improper if mirrored
   bool doppler_flipped = false;       ///< if so, R includes the sign
   double turn = 0.0;                  ///< angle to the configured mounting [rad]
+  /// Direction in radar axes; the motion does not show the turn about it. Zero: it shows all.
+  Vector3d about = Vector3d::Zero();
 };
 
 /// The configured mounting first, then the same with the Doppler flipped, then by increasing angle.

@@ -13,9 +13,10 @@
 
 namespace rio::check {
 
-Matrix3d best_rotation(const Agreement& all, double sign) {
+Matrix3d best_rotation(const Agreement& all, double sign, Vector3d* strongest) {
   const Eigen::JacobiSVD<Matrix3d> svd(Eigen::Map<const Matrix3d>(all.b.data()),
                                        Eigen::ComputeFullU | Eigen::ComputeFullV);
+  if (strongest != nullptr) *strongest = svd.matrixV().col(0);
   const double handed = (svd.matrixU() * svd.matrixV().transpose()).determinant();
   return svd.matrixU() * Vector3d(1.0, 1.0, sign * handed).asDiagonal() * svd.matrixV().transpose();
 }
@@ -28,7 +29,8 @@ void append_any_angle(const Judge& judge, std::vector<Axes>* list) {
   constexpr double kFar = 20.0 * kDegree;
   const std::vector<Axes> right = *list;
   for (const double sign : {1.0, -1.0}) {
-    const Matrix3d R = best_rotation(judge.all, sign);
+    Vector3d strongest;
+    const Matrix3d R = best_rotation(judge.all, sign, &strongest);
     const double explained = judge.all.explained(R);
     const bool better = std::none_of(right.begin(), right.end(), [&](const Axes& axes) {
       const bool same_hand = axes.R.determinant() * R.determinant() > 0.0;
@@ -36,7 +38,10 @@ void append_any_angle(const Judge& judge, std::vector<Axes>* list) {
              significance(judge.all.explained(axes.R), explained, judge.all.windows) < kSignificant;
     });
     if (!better || explained < kExplained) continue;
-    list->push_back({R, sign < 0.0, angle_between(judge.configured, sign * R)});
+    const Matrix3d turned = R * quaternion_exp(90.0 * kDegree * strongest).toRotationMatrix();
+    const bool shown = judge.doubt(turned, R) > kSignificant;
+    list->push_back({R, sign < 0.0, angle_between(judge.configured, sign * R),
+                     shown ? Vector3d(Vector3d::Zero()) : strongest});
   }
 }
 

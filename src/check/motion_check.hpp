@@ -72,7 +72,9 @@ struct Judge {
 
 /// The rotation with which b^T r of (E4) is largest (Wahba's problem).
 /// @param sign -1: the mirrored one, as if the Doppler were flipped
-Matrix3d best_rotation(const Agreement& all, double sign = 1.0);
+/// @param strongest direction in radar axes along which the motion is largest: the turn about it is
+///        the least sure
+Matrix3d best_rotation(const Agreement& all, double sign = 1.0, Vector3d* strongest = nullptr);
 
 /// The best of the candidates; the first of those that it does not beat significantly.
 /// @param alike all of these, first the one that is returned

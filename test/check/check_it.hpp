@@ -33,8 +33,7 @@ using check::Source;
 using check::turn_mounting;
 using check::Verdict;
 
-inline io::Dataset flown(const sim::Scenario& scenario) {
-  const sim::Flight flight = sim::simulate_flight(scenario);
+inline io::Dataset flown(const sim::Scenario& scenario, const sim::Flight& flight) {
   io::Dataset out;
   out.imu = flight.imu;
   out.scans = flight.scans;
@@ -43,6 +42,9 @@ inline io::Dataset flown(const sim::Scenario& scenario) {
   out.radar_info.doppler_resolution = scenario.radar.reported_doppler_resolution();
   out.radar_info.rate_hz = scenario.radar.rate_hz;
   return out;
+}
+inline io::Dataset flown(const sim::Scenario& scenario) {
+  return flown(scenario, sim::simulate_flight(scenario));
 }
 inline io::Dataset flown(const std::string& name, double length) {
   sim::Scenario scenario = scenario_named(name);

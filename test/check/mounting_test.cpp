@@ -2,7 +2,9 @@
 // The mounting that `rio check` finds and proposes.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
+#include <vector>
 
 #include "check/check_it.hpp"
 #include "rio/core/so3.hpp"
@@ -62,6 +64,23 @@ TEST(CheckMounting, FindsTheAxesOfALateRadar) {
   for (const char* subject : {"axes and Doppler sign", "delay of the radar"}) {
     EXPECT_EQ(said(dataset, subject).verdict, Verdict::kWrong) << subject;
   }
+}
+
+TEST(CheckMounting, ALineDoesNotShowTheTurnAboutIt) {
+  std::vector<sim::Trajectory::Control> path(5, sim::Trajectory::Control::Zero());
+  for (int i = 0; i < 120; ++i) {
+    const double step = 0.3 + 0.2 * std::sin(0.8 * i);
+    path.emplace_back(path.back() + step * sim::Trajectory::Control::UnitX());
+  }
+  path.resize(path.size() + 4, path.back());
+  const sim::Trajectory line(path, {.stand_before = 4.0, .stand_after = 2.0, .level = true});
+  sim::Scenario scenario;
+  scenario.radar.T_BS = {Quaternion::Identity(), {0.1, 0.0, 0.0}};
+  io::Dataset dataset = flown(scenario, sim::simulate_flight(line, scenario));
+  expect_ok(dataset);
+  turn_mounting(&dataset, {0.0, 0.0, 0.7}, true);
+  expect(said(dataset, "axes and Doppler sign"), Verdict::kWrong, "the turn about it is not shown",
+         "measure the mounting");
 }
 
 }  // namespace
