@@ -154,7 +154,7 @@ TEST(TiltCheck, OnlyAWrongTiltIsContradicted) {
       {"right, 3 points", {.points = 3, .scans = kLong}, false},
       {"right, 6 points", {.points = 6, .scans = kLong}, false},
       {"right, 20 points", {.points = 20, .scans = kLong}, false},
-      {"right, elevations told too noisy", {.scans = kLong, .sigma_elevation = 0.27}, false},
+      {"right, elevations told too noisy", {.scans = kLong, .sigma_elevation = 0.18}, false},
       {"right, the velocity changes in silence", {.scans = kLong, .silent = half_silent}, false},
       {"wrong",
        {.scans = kLong, .wrong = tilted_in_world(5.0 * kDegree), .silent = half_silent},
