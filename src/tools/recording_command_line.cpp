@@ -88,13 +88,9 @@ void add_recording_options(const Command& command, RecordingArguments* how, bool
 
 constexpr const char* kOverTruth = "lay the estimates over the truth first: none, origin, yaw, se3";
 
-CLI::Option* add_truth_topic(const Command& command, std::string* to,
-                             const char* name = "--truth-topic") {
+CLI::Option* add_pose_topic(const Command& command, std::string* to,
+                            const char* name = "--truth-topic") {
   return command.add(name, to, "topic, of a bag; by default the only one with poses");
-}
-
-void add_topic(const Command& command, std::string* to) {
-  command.add("--topic", to, "of an estimate that is a bag; by default the only one with poses");
 }
 
 CLI::Option* add_alignment(const Command& command, std::string* to, const char* what = kOverTruth) {
@@ -191,8 +187,8 @@ void add_evaluate_command(CLI::App& app) {
   command.add("TRUTH", &to->truth, std::string(kTrajectory) + "; t x y z alone, too", kRequired);
   command.add("ESTIMATE", &to->estimates, "same formats; several give a table of a row each",
               kRequired);
-  add_truth_topic(command, &to->truth_topic, "--truth-topic,--truth");
-  add_topic(command, &to->topic);
+  add_pose_topic(command, &to->truth_topic, "--truth-topic,--truth");
+  add_pose_topic(command, &to->topic, "--topic");
   add_alignment(command, &to->align,
                 "for MAE, RMSE, drift, yaw and tilt: none (as the papers), origin, yaw, se3");
   command.add("--json", &to->json, "print one JSON line an estimate");
@@ -225,7 +221,7 @@ void add_compare_command(CLI::App& app) {
   command.add(
       "--truth", &to->truth,
       "true path: TUM file, EuRoC csv, dataset folder or bag; by default that of the recording");
-  add_truth_topic(command, &to->truth_topic);
+  add_pose_topic(command, &to->truth_topic);
   add_alignment(command, &to->align);
   command.add("--report", &to->report, "page to write, HTML: table, paths, differences");
   add_recording_options(command, &to->how, false);
@@ -246,8 +242,8 @@ void add_plot_command(CLI::App& app) {
   command.add("ESTIMATE", &to->estimates, kTrajectory, kRequired);
   CLI::Option* truth =
       command.add("--truth", &to->truth, "true path: same formats; adds the errors");
-  add_truth_topic(command, &to->truth_topic)->needs(truth);
-  add_topic(command, &to->topic);
+  add_pose_topic(command, &to->truth_topic)->needs(truth);
+  add_pose_topic(command, &to->topic, "--topic");
   command.add("--label", &to->labels, "names for the legend, one for each estimate");
   add_alignment(command, &to->align)->needs(truth);
   command.add("--out", &to->out, "SVG file to write", kRequired);

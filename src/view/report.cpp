@@ -286,13 +286,10 @@ void ReportBuilder::close() {
   std::erase_if(page_.paths, [](const Path& path) { return path.times.empty(); });
   if (instants_ == 0) return;
   const double sum = squares_ + last_error_ * last_error_;
-  page_.card.push_back(
-      {"Error at the end",
-       fmt::format("{:.3f} m{}", last_error_,
-                   truth_length_ > 0.0
-                       ? fmt::format(", {:.2f} % of {:.1f} m", 100.0 * last_error_ / truth_length_,
-                                     truth_length_)
-                       : "")});
+  const double percent = 100.0 * last_error_ / truth_length_;
+  std::string end = fmt::format("{:.3f} m", last_error_);
+  if (truth_length_ > 0.0) end += fmt::format(", {:.2f} % of {:.1f} m", percent, truth_length_);
+  page_.card.push_back({"Error at the end", end});
   page_.card.push_back(
       {"Position error (RMSE)",
        fmt::format("{:.3f} m{}", std::sqrt(sum / static_cast<double>(instants_)),

@@ -259,18 +259,6 @@ TEST(RadarCauses, AFewSecondsOfRangesAgainstTheDopplerAreDoubtful) {
   EXPECT_EQ(against.sign, check::DopplerSign::kLeansOpposite);
 }
 
-TEST(RadarCauses, ScansThatAreSentAgainAreNamed) {
-  EXPECT_EQ(find(check_it(flight()), "repeated points"), nullptr);
-  const auto with_the_one_before = [](io::Dataset* d) {
-    for (std::size_t i = d->scans.size() - 1; i > 0; --i) {
-      const auto& before = d->scans[i - 1].detections;
-      d->scans[i].detections.insert(d->scans[i].detections.end(), before.begin(), before.end());
-    }
-  };
-  expect_said({{with_the_one_before, "repeated points", Verdict::kDoubtful,
-                "also in the scan before", "each scan once and alone"}});
-}
-
 TEST(RadarCauses, OddValuesOfOneField) {
   EXPECT_EQ(find(check_it(flight()), "lever arm"), nullptr);
   const double bin = *flight().radar_info.doppler_resolution;

@@ -125,6 +125,18 @@ TEST(RadarStamps, ScansThatAreThereTwiceOrCutAreOfNoOtherUnitOrRate) {
          "rate_hz: 10.0, unless stamps are cut to 0.1 s");
 }
 
+TEST(RadarStamps, ScansThatAreSentAgainAreNamed) {
+  EXPECT_EQ(find(check_it(flight()), "repeated points"), nullptr);
+  const auto with_the_one_before = [](io::Dataset* d) {
+    for (std::size_t i = d->scans.size() - 1; i > 0; --i) {
+      const auto& before = d->scans[i - 1].detections;
+      d->scans[i].detections.insert(d->scans[i].detections.end(), before.begin(), before.end());
+    }
+  };
+  expect_said({{with_the_one_before, "repeated points", Verdict::kDoubtful,
+                "also in the scan before", "each scan once and alone"}});
+}
+
 TEST(ImuStamps, APeriodBetweenOneAndTwoStepsOfItsGridLosesNothing) {
   io::Dataset dataset = flight();
   const auto cut = [](std::size_t i, double hz, double step) {
