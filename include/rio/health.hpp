@@ -5,7 +5,7 @@
 // (checks/health_monitor.hpp has the signals and their limits):
 //   initialising    the radar has not determined velocity and tilt since the start or a restart, or
 //                   its mounting is not known yet
-//   ok              all severities below 1
+//   ok              all severities below 1, but that of kOneRadarSilent
 //   degraded        a severity of 1 or more: the estimate continues with reduced trust
 //   dead reckoning  the radar is silent: position and velocity by the IMU alone
 //   lost            a severity of 4 or more, of a reason that can lose the estimate: unsafe to fly
@@ -35,17 +35,22 @@ enum class HealthReason : std::uint8_t {
   kVelocityContradicted,  ///< another velocity explains the Dopplers of a second far better
   kTiltContradicted,      ///< the Dopplers of two seconds show a different gravity direction
   kReopened,              ///< velocity or tilt were replaced, or the heading widened: a jump
-  kImuGaps,               ///< samples were lost or refused: part of the motion is interpolated
-  kUncertainPosition,     ///< sigma above 1 m + 5 % of the distance travelled
-  kUncertainVelocity,     ///< sigma of an axis above 0.5 m/s
-  kUncertainHeading,      ///< sigma above 10 deg
-  kUncertainTilt,         ///< sigma above 3 deg
-  kTooFast,               ///< speed above 30 m/s
+  /// Samples were lost or refused: part of the motion is interpolated; 1.2 s of them: the estimate
+  /// is lost.
+  kImuGaps,
+  kUncertainPosition,  ///< sigma above 1 m + 5 % of the distance travelled
+  kUncertainVelocity,  ///< sigma of an axis above 0.5 m/s
+  kUncertainHeading,   ///< sigma above 10 deg
+  kUncertainTilt,      ///< sigma above 3 deg
+  kTooFast,            ///< speed above 30 m/s
   /// A calibration parameter has reached its limit of five prior sigmas; or the time offset of a
   /// radar moved within ten seconds by more than five of its former sigmas: its clock was changed.
   kCalibration,
   kNumerical,  ///< an update failed and was undone
   kAiding,     ///< the gates reject measurements of other sensors, or innovations are too large
+  /// No scan of one of several radars was processed for two seconds: told, but no doubt of the
+  /// estimate, which is as good as the others make it.
+  kOneRadarSilent,
   kCount
 };
 inline constexpr std::size_t kHealthReasonCount = static_cast<std::size_t>(HealthReason::kCount);

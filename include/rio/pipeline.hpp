@@ -52,7 +52,8 @@ class Pipeline {
         rows_(options),
         delayed_(options),
         backend_(options),
-        checks_(options, &backend_, &report_) {
+        checks_(options, &backend_, &report_),
+        health_(options.radars()) {
     for (std::size_t r = 0; r < options.radars(); ++r) {
       frontends_.emplace_back(options.seen_by(r));
     }

@@ -23,23 +23,24 @@ struct Effect {
 
 /// Position, velocity, heading, loses; in the order of HealthReason.
 constexpr std::array<Effect, kHealthReasonCount> kEffects = {{
-    {true, true, false, false},  // kRadarSilent
-    {true, true, false, false},  // kFewDetections
-    {true, true, false, false},  // kOutliers
-    {true, true, false, true},   // kGated
-    {true, true, false, false},  // kInnovations
-    {true, true, false, true},   // kVelocityContradicted
-    {true, true, true, true},    // kTiltContradicted
-    {true, true, true, true},    // kReopened
-    {true, true, true, false},   // kImuGaps
-    {true, false, false, true},  // kUncertainPosition
-    {true, true, false, true},   // kUncertainVelocity
-    {true, false, true, true},   // kUncertainHeading
-    {true, true, true, true},    // kUncertainTilt
-    {true, true, true, true},    // kTooFast
-    {true, true, false, false},  // kCalibration
-    {true, true, true, true},    // kNumerical
-    {true, true, true, false},   // kAiding
+    {true, true, false, false},    // kRadarSilent
+    {true, true, false, false},    // kFewDetections
+    {true, true, false, false},    // kOutliers
+    {true, true, false, true},     // kGated
+    {true, true, false, false},    // kInnovations
+    {true, true, false, true},     // kVelocityContradicted
+    {true, true, true, true},      // kTiltContradicted
+    {true, true, true, true},      // kReopened
+    {true, true, true, true},      // kImuGaps
+    {true, false, false, true},    // kUncertainPosition
+    {true, true, false, true},     // kUncertainVelocity
+    {true, false, true, true},     // kUncertainHeading
+    {true, true, true, true},      // kUncertainTilt
+    {true, true, true, true},      // kTooFast
+    {true, true, false, false},    // kCalibration
+    {true, true, true, true},      // kNumerical
+    {true, true, true, false},     // kAiding
+    {false, false, false, false},  // kOneRadarSilent: as good as the others make it
 }};
 
 double largest_sigma(const BodyCovariance& P, int at, int size) {
@@ -50,9 +51,10 @@ double largest_sigma(const BodyCovariance& P, int at, int size) {
 
 void HealthMonitor::reset(Time time) {
   const std::uint8_t resets = health_.reset_counter;
-  *this = HealthMonitor{};
+  *this = HealthMonitor(radars_);
   health_.reset_counter = static_cast<std::uint8_t>(resets + 1);
   now_ = last_used_ = not_gated_ = time;
+  last_.fill(time);
 }
 
 void HealthMonitor::fade(Time now) {
@@ -87,6 +89,7 @@ void HealthMonitor::observe(const UpdateReport& report, const Estimate& x,
   detections_ += report.detections_kept;
   static_detections_ += report.static_detections;
   if (used > 0) last_used_ = x.nav.time;
+  last_[report.radar] = x.nav.time;
   severity(HealthReason::kVelocityContradicted) = report.velocity_contradicted / kVelocityTime;
   severity(HealthReason::kTiltContradicted) = report.tilt_contradicted / kTiltTime;
   calibration_[report.radar] = std::max(calibration_doubt(report), clock_doubt(report, x.nav.time));
@@ -148,6 +151,9 @@ void HealthMonitor::wait(Time now, Time pause, const Estimate& x, const BodyCova
 
 void HealthMonitor::judge_scans(Time now, Time pause) {
   severity(HealthReason::kRadarSilent) = to_seconds(now + pause - last_used_) / kSilence;
+  const Time oldest = *std::min_element(last_.begin(), last_.begin() + radars_);
+  severity(HealthReason::kOneRadarSilent) =
+      radars_ > 1 ? to_seconds(now + pause - oldest) / kOneSilence : 0.0;
   severity(HealthReason::kFewDetections) = kFewRows / std::max(rows_used_, 1e-3);
   const double others = detections_ - static_detections_;
   severity(HealthReason::kOutliers) = others / std::max(detections_, 10.0) / kOutliers;
@@ -179,8 +185,9 @@ void HealthMonitor::conclude() {
       const auto reason = static_cast<HealthReason>(i);
       const double s = severity(reason);
       const Effect& of = kEffects[i];
+      if (!(of.*doubted)) continue;
       largest = std::max(largest, s);
-      if (!(of.*doubted) || s < 1.0) continue;
+      if (s < 1.0) continue;
       HealthState now = HealthState::kDegraded;
       if (reason == HealthReason::kRadarSilent) now = HealthState::kDeadReckoning;
       if (of.loses && s >= kHealthLost) now = HealthState::kLost;

@@ -83,6 +83,7 @@ class Engine final : public Odometry::Impl {
     }
     if (initialized && imu_.empty() && !is_near(sample.time)) carry_to(sample.time);
     stamps_.take(sample.time);
+    scans_.hear_imu();
     if (!imu_.empty() && imu_.is_gap(imu_.newest(), sample)) {
       ++counters.imu_gaps;
       pipeline_.add_gap(sample.time - imu_.newest().time);
@@ -112,10 +113,10 @@ class Engine final : public Odometry::Impl {
       process_ready();
       return status;
     }
-    if (taken != Status::kWaiting) return taken;
-    if (!imu_.empty() && imu_.is_gap(imu_.newest(), {stamp, {}, {}})) {
-      watch(stamp - imu_.newest().time);
+    if (const Time pause = scans_.pause(imu_); pause > from_seconds(options_.imu.max_gap)) {
+      watch(pause);
     }
+    if (taken != Status::kWaiting) return taken;
     process_ready();  // scans of other radars may have waited for this one
     return scans_.queue().contains(stamp, radar) ? Status::kWaiting : pipeline_.report().status;
   }

@@ -56,7 +56,8 @@ const char* to_string(HealthReason reason) {
                                  "too fast",
                                  "calibration doubtful",
                                  "update failed",
-                                 "other sensors contradict"};
+                                 "other sensors contradict",
+                                 "one radar silent"};
   static_assert(kNames.size() == kHealthReasonCount);
   return name(kNames, reason, "unknown reason");
 }

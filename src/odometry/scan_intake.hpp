@@ -30,7 +30,7 @@ class StampRun {
   /// Stamps for which is_stamp() is false are passed over.
   void add(Time stamp) {
     if (!is_stamp(stamp)) return;
-    if (!begun_ || std::chrono::abs(stamp - last_) >= step_) first_ = stamp;
+    if (!begun_ || std::chrono::abs(stamp - last_) >= step_) first_ = at_imu_ = stamp;
     last_ = stamp;
     begun_ = true;
   }
@@ -40,11 +40,17 @@ class StampRun {
            std::chrono::abs(after - last_) < step_;
   }
 
+  /// A sample of the IMU has arrived.
+  void hear_imu() { at_imu_ = last_; }
+  /// How far the stamps have gone on beyond `newest`, that of the IMU, since its last sample.
+  Time since_imu(Time newest) const { return last_ - std::max(newest, at_imu_); }
+
  private:
   Time step_;
   bool begun_ = false;
   Time first_{0};  ///< since the last jump
   Time last_{0};
+  Time at_imu_{0};  ///< last_ when the newest sample of the IMU arrived
 };
 
 /// Filtered scans that wait for the IMU or for other radars, oldest first. O(size) insertion.
@@ -205,6 +211,12 @@ class ScanIntake {
   bool is_ahead(Time stamp, Time estimate, const ImuBuffer& imu) const;
   /// The stamps of the scans, taken or not, have gone on without a jump from `before` to `after`.
   bool goes_through(Time before, Time after) const { return stamps_.goes_through(before, after); }
+  /// A sample of the IMU has arrived.
+  void hear_imu() { stamps_.hear_imu(); }
+  /// Pause of the IMU so far, according to the stamps of the scans, taken or not.
+  Time pause(const ImuBuffer& imu) const {
+    return imu.empty() ? Time{0} : stamps_.since_imu(imu.newest().time);
+  }
 
   /// Starts over: the scans that wait are dropped.
   void forget(const ImuBuffer& imu);

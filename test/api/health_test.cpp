@@ -106,6 +106,36 @@ TEST_P(HealthTest, ASilentImuIsToldByTheScans) {
   });
 }
 
+// Nobody may fly on it. The scans tell, though they are soon too far ahead of the IMU to wait.
+TEST_P(HealthTest, AnImuThatDiesLosesTheEstimate) {
+  const auto odometry = Odometry::create(options());
+  const Keep keep{.imu = [](Time t) { return t < seconds(10); }};
+  fly(*odometry, keep, [](Time t, const Odometry& o) {
+    if (t < seconds(8)) return;
+    if (t < seconds(10)) {
+      EXPECT_EQ(o.health().state, HealthState::kOk) << to_seconds(t);
+    } else if (t > milliseconds(11400)) {
+      EXPECT_EQ(o.health().state, HealthState::kLost) << to_seconds(t);
+      EXPECT_TRUE(o.health().because(HealthReason::kImuGaps)) << to_seconds(t);
+    }
+  });
+}
+
+// Nor does a radar whose clock is ahead by less than a scan may wait look like a pause of the IMU.
+TEST_P(HealthTest, ARadarClockThatIsAheadIsNoPauseOfTheImu) {
+  const auto odometry = Odometry::create(options());
+  std::size_t next = 0;
+  for (const ImuSample& sample : flight().imu) {
+    for (; next < flight().scans.size() && flight().arrivals[next] < sample.time; ++next) {
+      RadarScan scan = flight().scans[next];
+      scan.time += milliseconds(800);
+      (void)odometry->add_scan(scan);
+      EXPECT_FALSE(odometry->health().because(HealthReason::kImuGaps));
+    }
+    (void)odometry->add_imu(sample);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(BackEnds, HealthTest, kBothBackEnds, back_end_name);
 
 }  // namespace

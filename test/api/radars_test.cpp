@@ -132,6 +132,9 @@ TEST_P(RadarsTest, OneOfThemFailsInFlight) {
     EXPECT_LT(result.last, 0.3);
     EXPECT_LT(result.pose_nees / result.steps, 3.0);
     EXPECT_EQ(odometry->health().state, HealthState::kOk);
+    EXPECT_TRUE(odometry->health().because(HealthReason::kOneRadarSilent));
+    (void)fly(all);
+    EXPECT_FALSE(odometry->health().because(HealthReason::kOneRadarSilent));
   }
 }
 

@@ -107,6 +107,23 @@ TEST_F(HealthMonitorTest, WithoutTheRadarItNeitherBeginsNorStaysOk) {
   }
 }
 
+// The others go on: it is told, and no doubt of the estimate.
+TEST_F(HealthMonitorTest, OneOfSeveralRadarsIsSilent) {
+  monitor_ = HealthMonitor(3);
+  monitor_.reset(Time{0});
+  for (int i = 0; i < 60; ++i) {
+    scan_.radar = i < 20 ? static_cast<std::size_t>(i % 3) : static_cast<std::size_t>(i % 2);
+    fly(kPeriod);
+    EXPECT_EQ(because(HealthReason::kOneRadarSilent), i >= 37) << i;
+  }
+  EXPECT_EQ(health().state, HealthState::kOk);
+  EXPECT_GT(health().quality, 75);
+  scan_.radar = 2;
+  EXPECT_FALSE(after(kPeriod).because(HealthReason::kOneRadarSilent));
+  monitor_.reset(x_.nav.time);
+  EXPECT_FALSE(because(HealthReason::kOneRadarSilent));
+}
+
 TEST_F(HealthMonitorTest, OutliersAndGatedMeasurementsDegrade) {
   fly(seconds(3));
   scan_.static_detections = 2;
@@ -215,8 +232,11 @@ TEST_F(HealthMonitorTest, PausesOfTheImu) {
   (void)after_silence(milliseconds(350));
   EXPECT_TRUE(because(HealthReason::kImuGaps));
   EXPECT_EQ(after(seconds(2)).state, HealthState::kOk);
-  monitor_.wait(x_.nav.time, milliseconds(1500), x_, P_);  // scans arrive, samples do not
+  monitor_.wait(x_.nav.time, milliseconds(1100), x_, P_);  // scans arrive, samples do not
   EXPECT_TRUE(because(HealthReason::kImuGaps));
+  EXPECT_EQ(health().heading, HealthState::kDegraded);
+  monitor_.wait(x_.nav.time, milliseconds(1300), x_, P_);
+  EXPECT_EQ(health().heading, HealthState::kLost);
 }
 
 TEST_F(HealthMonitorTest, AClockThatWasChanged) {

@@ -19,6 +19,8 @@ namespace rio {
 /// No allocation; O(1) per call.
 class HealthMonitor {
  public:
+  explicit HealthMonitor(std::size_t radars = 1) : radars_(radars) {}
+
   const Health& health() const { return health_; }
 
   /// The estimate starts at `time`, or starts over. Only the reset counter is kept.
@@ -68,15 +70,18 @@ class HealthMonitor {
   static constexpr double kAidingMemory = 10.0;  // of shares: some measure once a second [s]
   static constexpr double kFewAiding = 5.0;      // one rejected row of a slow sensor is no share
   static constexpr double kSilence = 1.0;        // the IMU alone is good to centimetres [s]
-  static constexpr double kFewRows = 3.0;        // a velocity has three components
-  static constexpr double kOutliers = 0.7;       // above that a consensus is unreliable
-  static constexpr double kGated = 0.3;          // nominally a gate rejects one in a hundred
-  static constexpr double kGatedTime = 2.5;      // four times that: the estimate is wrong [s]
-  static constexpr double kInnovations = 2.0;    // mean NIS of a row
-  static constexpr double kVelocityTime = 0.5;   // contradicted [s]
-  static constexpr double kTiltTime = 0.75;      // same: a person may pass by [s]
-  static constexpr double kLostTime = 0.3;       // of the last second [s]
-  static constexpr double kPosition = 1.0;       // [m]
+  static constexpr double kOneSilence = 2.0;    // the others go on; some send one scan a second [s]
+  static constexpr double kFewRows = 3.0;       // a velocity has three components
+  static constexpr double kOutliers = 0.7;      // above that a consensus is unreliable
+  static constexpr double kGated = 0.3;         // nominally a gate rejects one in a hundred
+  static constexpr double kGatedTime = 2.5;     // four times that: the estimate is wrong [s]
+  static constexpr double kInnovations = 2.0;   // mean NIS of a row
+  static constexpr double kVelocityTime = 0.5;  // contradicted [s]
+  static constexpr double kTiltTime = 0.75;     // same: a person may pass by [s]
+  // of the last second; after four times that the velocity may be off by the change of 2 m/s that
+  // a gap may hide, and the tilt by 30 deg [s]
+  static constexpr double kLostTime = 0.3;
+  static constexpr double kPosition = 1.0;  // [m]
   static constexpr double kPositionShare = 0.05;
   static constexpr double kVelocity = 0.5;  // [m/s]
   static constexpr double kHeading = 0.17;  // [rad]
@@ -95,10 +100,12 @@ class HealthMonitor {
   /// Time offset of a radar in the last kClockSteps seconds; constant unless its clock was changed.
   using PastOffsets = StaticVector<Offset, kClockSteps>;
 
+  std::size_t radars_;
   Health health_;
-  Time now_{0};         ///< time up to which the sums have decayed
-  Time last_used_{0};   ///< last scan with a row used
-  Time not_gated_{0};   ///< last time without an unusual_gated_share()
+  Time now_{0};                          ///< time up to which the sums have decayed
+  Time last_used_{0};                    ///< last scan with a row used
+  std::array<Time, kMaxRadars> last_{};  ///< scan processed, by radar
+  Time not_gated_{0};                    ///< last time without an unusual_gated_share()
   bool begun_ = false;  ///< the radar has determined velocity and tilt since the start
   // decaying sums
   double detections_ = 0.0;
