@@ -15,7 +15,7 @@ namespace rio {
 
 /// Outcome of a call. All values but kOk, kWaiting and kNumerical leave the estimate unchanged.
 /// What is refused for its data is counted in Counters, except by reset(); kMoving, kUndeclared and
-/// a measurement before the start are not.
+/// a measurement before the start, or without a valid noise, are not.
 enum class Status : std::uint8_t {
   kOk,
   kWaiting,         ///< queued: a scan newer than the IMU, or a measurement of another sensor
@@ -26,8 +26,8 @@ enum class Status : std::uint8_t {
   kLate,            ///< scan older than the estimate, start older than the buffered samples
   kQueueFull,       ///< too many scans, or measurements of other sensors, wait
   kNonFinite,       ///< NaN or infinity in the data
-  kNumerical,  ///< the update failed numerically: the estimate is the IMU prediction; for a start:
-               ///< no valid covariance or quaternion
+  kNumerical,    ///< the update failed numerically: the estimate is the IMU prediction; for a start
+                 ///< or a measurement of another sensor: no valid covariance, sigma or quaternion
   kImplausible,  ///< IMU sample frozen or out of range: treated as lost; for a start: beyond any
                  ///< vehicle
   kAhead,        ///< stamp too far ahead of the newest IMU sample

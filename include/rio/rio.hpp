@@ -21,10 +21,11 @@
 // nothing and may run in separate threads without a lock.
 //
 // Inputs are checked in constant time. A refused input has its Status, if it is data of a sensor
-// its counter (but for kMoving, and kUndeclared and kNotInitialized of a measurement), and changes
-// nothing else:
+// its counter (but for kMoving, and kUndeclared, kNotInitialized and kNumerical of a measurement),
+// and changes nothing else:
 //   numbers     NaN and infinity in samples, detections and starts (kNonFinite); a measurement of
-//               another sensor is judged by its model and its gate. An IMU sample that is frozen
+//               another sensor is judged by its model and its gate, the noise it is said to have
+//               at once. An IMU sample that is frozen
 //               (all values, those of one sensor or one axis repeat, unlike before), or beyond the
 //               range of the sensor (ImuOptions::max_rate, max_accel), is kImplausible and bridged
 //               as if it were lost. A detection that is not finite or beyond the range of a radar
@@ -95,7 +96,8 @@ class RIO_API Odometry {
   /// kWaiting: it is applied with the first scan at or after its time, or alone if no scan comes
   /// for TimingOptions::max_lag. kLate: before the estimate by more than aiding_delay; kAhead as
   /// for scans; kQueueFull; kUndeclared: it depends on an auxiliary state or a radar that the
-  /// options do not have; kNotInitialized. The result of the gate is in report().records.
+  /// options do not have; kNotInitialized; kNumerical: its noise is none (Model::is_valid()). The
+  /// result of the gate is in report().records.
   [[nodiscard]] Status add_measurement(const AidingMeasurement& measurement) noexcept;
 
   /// Starts, or restarts, from a known state. `prior.time` may be before, at or after the newest

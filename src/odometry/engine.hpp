@@ -58,7 +58,7 @@ class Engine final : public Odometry::Impl {
   }
 
   const BodyCovariance& covariance_now() override {
-    if (imu_.empty()) return covariance;
+    if (!initialized || imu_.empty()) return covariance;
     imu_.for_each_step(ahead_.state.time, imu_.newest().time,
                        [this](const ImuStep& step) { ahead_.step(step, options_.imu); });
     covariance_now_ = congruence(ahead_.transition(), covariance) + ahead_.noise();
@@ -126,6 +126,7 @@ class Engine final : public Odometry::Impl {
     if (z.radar() >= options_.radars() || !z.is_declared(options_.auxiliary)) {
       return Status::kUndeclared;
     }
+    if (!z.is_valid()) return Status::kNumerical;
     const Time delay = from_seconds(options_.timing.aiding_delay);
     if (z.time() < at_scan().time - delay || (!imu_.empty() && z.time() < imu_[0].time)) {
       return refuse(counters.aiding_late, Status::kLate);

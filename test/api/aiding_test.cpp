@@ -200,6 +200,47 @@ TEST_P(AidingTest, WhatIsRefusedSaysWhy) {
   EXPECT_EQ(odometry->counters().aiding_overflow, 1U);
 }
 
+// As users of Eigen write it: symmetric, positive definite, sigmas positive.
+TEST_P(AidingTest, ANoiseThatIsNoneIsRefused) {
+  Options o = options();
+  o.start.static_alignment = false;
+  ASSERT_TRUE(o.auxiliary.declare<HeightOffset>());
+  ASSERT_TRUE(o.auxiliary.declare<GroundHeight>());
+  odometry = Odometry::create(o);
+  ASSERT_EQ(odometry->reset(flight().truth.front(), 1e-4 * BodyCovariance::Identity()),
+            Status::kOk);
+  const Time now = odometry->at_scan().time + 1ms;
+  const auto with = [&](const Matrix3d& R) {
+    const Status status = odometry->add_measurement({now, PositionModel{}, {.covariance_W = R}});
+    EXPECT_EQ(odometry->add_measurement({now, BodyVelocityModel{}, {.covariance_B = R}}), status);
+    EXPECT_EQ(odometry->add_measurement({now, WorldVelocityModel{}, {.covariance_W = R}}), status);
+    return status;
+  };
+  const auto with_sigma = [&](double sigma) {
+    const Status status = odometry->add_measurement({now, HeightModel{}, {0.0, sigma}});
+    EXPECT_EQ(odometry->add_measurement({now, HeadingModel{}, {0.0, sigma}}), status);
+    EXPECT_EQ(odometry->add_measurement({now, GroundRangeModel{}, {1.0, sigma}}), status);
+    return status;
+  };
+  Matrix3d R;
+  R << 4e-4, 1e-4, 0.0, 1e-4, 9e-4, 0.0, 0.0, 0.0, 1e-2;
+  EXPECT_EQ(with(R), Status::kWaiting);
+  R(0, 1) *= 1.0 + 1e-12;  // rounding
+  EXPECT_EQ(with(R), Status::kWaiting);
+  EXPECT_EQ(with_sigma(0.1), Status::kWaiting);
+  EXPECT_EQ(odometry->counters().aiding, 9U);
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  for (const double upper : {0.0, -1e-4, 1.1e-4, kNan}) {
+    R(0, 1) = upper;
+    EXPECT_EQ(with(R), Status::kNumerical) << upper;
+  }
+  for (const double variance : {-1e-2, 0.0, kNan}) {
+    EXPECT_EQ(with(Vector3d(1e-2, 1e-2, variance).asDiagonal()), Status::kNumerical) << variance;
+    EXPECT_EQ(with_sigma(variance), Status::kNumerical) << variance;
+  }
+  EXPECT_EQ(odometry->counters().aiding, 9U);
+}
+
 TEST_P(AidingTest, AStateBeginsAtItsInitialValue) {
   Barometer barometer{.offset = 40.0};  // twenty sigmas from zero
   Options o = options();

@@ -62,6 +62,13 @@ TEST_P(HealthTest, CovarianceOfNowIsThatOfTheEstimateCarriedOn) {
   EXPECT_GT(carried(body::kPosition, body::kPosition), 1.2e-4);
 }
 
+TEST_P(HealthTest, BeforeTheStartTheCovarianceOfNowIsThatOfTheEstimate) {
+  const auto odometry = Odometry::create(options());
+  for (std::size_t i = 0; i < 100; ++i) (void)odometry->add_imu(flight().imu[i]);
+  ASSERT_FALSE(odometry->initialized());
+  EXPECT_EQ(odometry->covariance_now(), odometry->covariance());
+}
+
 TEST_P(HealthTest, AGoodFlightIsOkFromItsFirstScansOn) {
   const auto odometry = Odometry::create(options());
   int least = 100;

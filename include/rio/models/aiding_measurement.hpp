@@ -12,6 +12,8 @@
 //   bool evaluate(z, value of each block ..., r, J, R) const
 //                 r = z - h(x);  J = dh/dx in the errors of the blocks, may be null;  R =
 //                 covariance of r at the true state; false = outside the model's domain
+// and may have
+//   static bool is_valid(z)   the noise of z is one: otherwise the measurement is refused
 // The state at its time follows from that of the next scan by the IMU in between
 // (update/aiding.hpp); its rows are gated like any other, and the smoother's window keeps it as
 // long as that scan. A calibration that is not estimated has its configured value and no column.
@@ -111,6 +113,8 @@ class AidingMeasurement {
   std::size_t radar() const { return radar_; }
   const char* name() const { return table_->name; }
   int rows() const { return table_->rows; }
+  /// By Model::is_valid(), if the model has it.
+  bool is_valid() const { return table_->is_valid(storage_); }
   /// All auxiliary states the model depends on are among these.
   bool is_declared(const AuxiliaryStates& states) const {
     return table_->is_declared(states, index_);
@@ -119,7 +123,7 @@ class AidingMeasurement {
   bool depends_on(const AuxiliaryStates& states, int first) const {
     return table_->depends_on(states, index_, first);
   }
-  /// Rows at x. False: outside the domain of the model, or not finite.
+  /// Rows at x. False: outside the domain of the model, or not finite, or R is no covariance.
   bool evaluate(const AidedState& x, const AidingColumns& columns, Rows* rows) const {
     return table_->evaluate(storage_, index_, x, columns, rows) && rows->r.allFinite() &&
            rows->J.allFinite();
@@ -133,6 +137,7 @@ class AidingMeasurement {
     bool (*depends_on)(const AuxiliaryStates&, int index, int first);
     bool (*evaluate)(const void*, int index, const AidedState&, const AidingColumns&, Rows*);
     void (*copy)(const void*, void*);
+    bool (*is_valid)(const void*);
   };
   template <class Model>
   struct Held {
@@ -205,6 +210,7 @@ class AidingMeasurement {
       Eigen::Matrix<double, kDim, BlockList<B...>::kDof> J;
       Eigen::Matrix<double, kDim, kDim> R;
       if (!both.model.evaluate(both.z, value<B>(x, index)..., r, &J, R)) return false;
+      if (!is_definite(R)) return false;
       const SmallCholesky<kDim> root(R);
       J = root.whitened(J);
       *rows = {};
@@ -230,6 +236,18 @@ class AidingMeasurement {
     }
   };
   template <class Model>
+  static auto judge(const typename Model::Measurement& z, int) -> decltype(Model::is_valid(z)) {
+    return Model::is_valid(z);
+  }
+  template <class Model>
+  static bool judge(const typename Model::Measurement& /*z*/, long) {
+    return true;
+  }
+  template <class Model>
+  static bool is_valid(const void* held) {
+    return judge<Model>(static_cast<const Held<Model>*>(held)->z, 0);
+  }
+  template <class Model>
   static void copy(const void* from, void* to) {
     new (to) Held<Model>(*static_cast<const Held<Model>*>(from));
   }
@@ -239,7 +257,8 @@ class AidingMeasurement {
                                    &Of<Model, typename Model::Blocks>::is_declared,
                                    &Of<Model, typename Model::Blocks>::depends_on,
                                    &Of<Model, typename Model::Blocks>::evaluate,
-                                   &AidingMeasurement::copy<Model>};
+                                   &AidingMeasurement::copy<Model>,
+                                   &AidingMeasurement::is_valid<Model>};
 
   Time time_;
   std::size_t radar_;

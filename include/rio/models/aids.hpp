@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stage 3 for other sensors: position, heading, velocity, height and range to the ground, for
 // Odometry::add_measurement (rio/aiding.hpp). W is the world frame of the estimate: measurements of
-// GNSS or motion capture must be transformed to it. C++17.
+// GNSS or motion capture must be transformed to it. Sigmas must be positive, covariances positive
+// definite and symmetric up to round-off: otherwise add_measurement() returns kNumerical. C++17.
 #pragma once
 
 #include <cmath>
@@ -21,6 +22,7 @@ struct PositionModel {
     Matrix3d covariance_W = Matrix3d::Identity();  ///< [m^2]
     Vector3d lever_B = Vector3d::Zero();           ///< from the IMU to the point [m]
   };
+  static bool is_valid(const Measurement& z) { return is_definite(z.covariance_W); }
   bool evaluate(const Measurement& z, const RigidPose& T_WB, Vector3d& r,
                 Eigen::Matrix<double, 3, 6>* J, Matrix3d& R) const {
     r = z.p_W - T_WB.p - T_WB.R * z.lever_B;
@@ -39,6 +41,7 @@ struct HeadingModel {
     double heading = 0.0;  ///< [rad], modulo 2 pi
     double sigma = 1.0;    ///< [rad]
   };
+  static bool is_valid(const Measurement& z) { return z.sigma > 0.0; }
   bool evaluate(const Measurement& z, const RigidPose& T_WB, Eigen::Matrix<double, 1, 1>& r,
                 Eigen::Matrix<double, 1, 6>* J, Eigen::Matrix<double, 1, 1>& R) const {
     const double x = T_WB.R(0, 0);
@@ -71,6 +74,7 @@ struct BodyVelocityModel {
     Vector3d lever_B = Vector3d::Zero();           ///< from the IMU to the point [m]
     Vector3d gyro_B = Vector3d::Zero();  ///< measured at its time, if there is a lever [rad/s]
   };
+  static bool is_valid(const Measurement& z) { return is_definite(z.covariance_B); }
   bool evaluate(const Measurement& z, const RigidPose& T_WB, const Vector3d& v_WB,
                 const Vector3d& gyro_bias, Vector3d& r, Eigen::Matrix<double, 3, 12>* J,
                 Matrix3d& R) const {
@@ -93,6 +97,7 @@ struct WorldVelocityModel {
     Vector3d v_W = Vector3d::Zero();               ///< [m/s]
     Matrix3d covariance_W = Matrix3d::Identity();  ///< [m^2/s^2]
   };
+  static bool is_valid(const Measurement& z) { return is_definite(z.covariance_W); }
   bool evaluate(const Measurement& z, const Vector3d& v_WB, Vector3d& r, Matrix3d* J,
                 Matrix3d& R) const {
     r = z.v_W - v_WB;
@@ -118,6 +123,7 @@ struct HeightModel {
     double height = 0.0;  ///< [m]
     double sigma = 1.0;   ///< [m]
   };
+  static bool is_valid(const Measurement& z) { return z.sigma > 0.0; }
   using Scalar = Eigen::Matrix<double, 1, 1>;
   bool evaluate(const Measurement& z, const RigidPose& T_WB, const Scalar& offset, Scalar& r,
                 Eigen::Matrix<double, 1, 7>* J, Scalar& R) const {
@@ -145,6 +151,7 @@ struct GroundRangeModel {
     Vector3d direction_B = {0.0, 0.0, -1.0};  ///< of the beam, unit
     Vector3d lever_B = Vector3d::Zero();      ///< from the IMU to the sensor [m]
   };
+  static bool is_valid(const Measurement& z) { return z.sigma > 0.0; }
   using Scalar = Eigen::Matrix<double, 1, 1>;
   bool evaluate(const Measurement& z, const RigidPose& T_WB, const Scalar& ground, Scalar& r,
                 Eigen::Matrix<double, 1, 7>* J, Scalar& R) const {
