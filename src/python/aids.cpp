@@ -2,7 +2,6 @@
 // Measurements of other sensors: the included models of rio/models/aids.hpp.
 #include "bindings.hpp"  // first: pybind11 silences a warning of Eigen where it includes it
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <string>
 
@@ -31,45 +30,44 @@ const Vector3d& finite(const char* name, const Vector3d& value) {
 }
 
 Matrix3d definite(const GivenMatrix& covariance) {
-  if (covariance.rows() == 3 && covariance.cols() == 3 &&
-      covariance.isApprox(covariance.transpose(), 1e-9) &&
-      covariance.llt().info() == Eigen::Success) {
+  if (covariance.rows() == 3 && covariance.cols() == 3 && is_definite(Matrix3d(covariance))) {
     return covariance;
   }
   throw py::value_error("covariance: a symmetric, positive definite 3 x 3 matrix is expected");
 }
 
+template <class Model>
+Status add(Odometry& odometry, std::int64_t time, const typename Model::Measurement& z) {
+  return added(odometry, [&](Odometry& to) {
+    return to.add_measurement({Time(time), Model{}, z});
+  });
+}
+
 Status add_position(Odometry& o, std::int64_t time, const Vector3d& position,
                     const GivenMatrix& covariance, const Vector3d& lever) {
-  return o.add_measurement(
-      {Time(time),
-       PositionModel{},
-       {finite("position", position), definite(covariance), finite("lever", lever)}});
+  return add<PositionModel>(
+      o, time, {finite("position", position), definite(covariance), finite("lever", lever)});
 }
 
 Status add_heading(Odometry& o, std::int64_t time, double heading, double sigma) {
-  return o.add_measurement(
-      {Time(time), HeadingModel{}, {finite("heading", heading), positive("sigma", sigma)}});
+  return add<HeadingModel>(o, time, {finite("heading", heading), positive("sigma", sigma)});
 }
 
 Status add_body_velocity(Odometry& o, std::int64_t time, const Vector3d& velocity,
                          const GivenMatrix& covariance, const Vector3d& lever,
                          const Vector3d& gyro) {
-  return o.add_measurement({Time(time),
-                            BodyVelocityModel{},
-                            {finite("velocity", velocity), definite(covariance),
-                             finite("lever", lever), finite("gyro", gyro)}});
+  return add<BodyVelocityModel>(o, time,
+                                {finite("velocity", velocity), definite(covariance),
+                                 finite("lever", lever), finite("gyro", gyro)});
 }
 
 Status add_world_velocity(Odometry& o, std::int64_t time, const Vector3d& velocity,
                           const GivenMatrix& covariance) {
-  return o.add_measurement(
-      {Time(time), WorldVelocityModel{}, {finite("velocity", velocity), definite(covariance)}});
+  return add<WorldVelocityModel>(o, time, {finite("velocity", velocity), definite(covariance)});
 }
 
 Status add_height(Odometry& o, std::int64_t time, double height, double sigma) {
-  return o.add_measurement(
-      {Time(time), HeightModel{}, {finite("height", height), positive("sigma", sigma)}});
+  return add<HeightModel>(o, time, {finite("height", height), positive("sigma", sigma)});
 }
 
 Status add_ground_range(Odometry& o, std::int64_t time, double range, double sigma,
@@ -77,10 +75,9 @@ Status add_ground_range(Odometry& o, std::int64_t time, double range, double sig
   if (std::abs(finite("direction", direction).norm() - 1.0) > 1e-6) {
     throw py::value_error("direction: a unit vector is expected");
   }
-  return o.add_measurement(
-      {Time(time),
-       GroundRangeModel{},
-       {positive("range", range), positive("sigma", sigma), direction, finite("lever", lever)}});
+  return add<GroundRangeModel>(
+      o, time,
+      {positive("range", range), positive("sigma", sigma), direction, finite("lever", lever)});
 }
 
 py::object auxiliary_of(const Odometry& odometry, const std::string& name) {

@@ -27,10 +27,14 @@ namespace py = pybind11;
 void bind_options(py::module_& module);
 void bind_odometry(py::module_& module);
 void bind_report(py::module_& module);
+void bind_values(py::module_& module);
 void bind_replay(py::module_& module);
 void bind_commands(py::module_& module);
 /// Measurements of other sensors, as methods of rio.Odometry.
 void bind_aids(py::class_<Odometry>* odometry);
+
+/// @throws std::runtime_error while the estimator calls its on_scan
+void refuse_within_on_scan(const Odometry& odometry);
 
 /// Throws ValueError if there is no state of that name.
 void declare_auxiliary(const std::vector<std::string>& names, Options* options);
@@ -93,6 +97,39 @@ struct InnovationRow {
   double gate;
 };
 
+/// A row of `points`.
+struct PointRow {
+  std::int64_t time;  ///< of the scan [ns]
+  std::uint8_t radar;
+  std::uint8_t label;  ///< index of rio.POINT_LABELS
+  double point[3];     ///< corrected for the radar errors, radar axes [m]
+  double position[3];  ///< world axes [m]
+  double doppler;      ///< corrected and, if static, unfolded [m/s]
+  double snr;          ///< [dB]
+  double residual;     ///< Doppler minus that of a static point there [m/s]
+  double sigma;        ///< of the residual [m/s]
+};
+
+/// A row of `landmarks`.
+struct LandmarkRow {
+  std::int64_t time;        ///< of the scan [ns]
+  double position[3];       ///< world axes [m]
+  double covariance[3][3];  ///< of it [m^2]
+  std::int64_t last_seen;   ///< [ns]
+};
+
 void add_innovations(const UpdateReport& report, std::vector<InnovationRow>* rows);
+void add_points(const Odometry& odometry, std::vector<PointRow>* rows);
+void add_landmarks(const Odometry& odometry, std::vector<LandmarkRow>* rows);
+
+/// Of a call that adds to the estimator, from outside of its on_scan.
+/// @throws std::runtime_error from within; what an on_scan() threw
+template <class Call>
+Status added(Odometry& odometry, const Call& call) {
+  refuse_within_on_scan(odometry);
+  const Status status = call(odometry);
+  if (PyErr_Occurred() != nullptr) throw py::error_already_set();
+  return status;
+}
 
 }  // namespace rio::python

@@ -4,8 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <functional>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bindings.hpp"
@@ -137,11 +140,48 @@ py::dict counters_of(const Odometry& odometry) {
                   "restarts"_a = c.restarts, "position_reopened"_a = c.position_reopened);
 }
 
+/// Those that are calling their on_scan.
+std::vector<const Odometry*>& telling() {
+  static std::vector<const Odometry*> all;  // guarded by the GIL
+  return all;
+}
+
+/// The call is kept by the Python object, where the garbage collector sees a cycle.
+constexpr const char* kOnScan = "_on_scan";
+
+/// What the call raises waits in Python until added() throws it; meanwhile no further call.
+void tell(py::handle self) noexcept {
+  if (PyErr_Occurred() != nullptr) return;
+  try {
+    telling().push_back(self.cast<const Odometry*>());
+    (void)self.attr(kOnScan)(self);
+  } catch (py::error_already_set& raised) {
+    raised.restore();
+  }
+  telling().pop_back();
+}
+
+void set_on_scan(const py::object& self, const py::object& call) {
+  auto& odometry = self.cast<Odometry&>();
+  refuse_within_on_scan(odometry);
+  if (!call.is_none() && PyCallable_Check(call.ptr()) == 0) {
+    throw py::type_error("on_scan: a function of the estimator, or None, is expected");
+  }
+  self.attr(kOnScan) = call;
+  std::function<void()> told;
+  if (!call.is_none()) told = [it = self.ptr()] { tell(it); };
+  odometry.on_scan(std::move(told));
+}
+
 }  // namespace
 
+void refuse_within_on_scan(const Odometry& odometry) {
+  const auto& all = telling();
+  if (std::find(all.begin(), all.end(), &odometry) == all.end()) return;
+  throw std::runtime_error("on_scan: what it calls must not change the estimator");
+}
+
 void bind_odometry(py::module_& module) {
-  PYBIND11_NUMPY_DTYPE(InnovationRow, time, radar, model, result, detection, dof, innovation, sigma,
-                       nis, gate);
   bind_report(module);
   // every result is a copy: the estimator changes what it refers to with the next call
   py::class_<Odometry> odometry(module, "Odometry");
@@ -151,7 +191,7 @@ void bind_odometry(py::module_& module) {
       .def(
           "add_imu",
           [](Odometry& o, std::int64_t time, const Vector3d& gyro, const Vector3d& accel) {
-            return o.add_imu({Time(time), gyro, accel});
+            return added(o, [&](Odometry& to) { return to.add_imu({Time(time), gyro, accel}); });
           },
           py::arg("time"), py::arg("gyro"), py::arg("accel"),
           "Takes one IMU sample.\n\n"
@@ -160,7 +200,8 @@ void bind_odometry(py::module_& module) {
       .def(
           "add_scan",
           [](Odometry& o, std::int64_t time, const py::object& points, std::size_t radar) {
-            return o.add_scan(scan_of(time, points), radar);
+            const RadarScan scan = scan_of(time, points);
+            return added(o, [&](Odometry& to) { return to.add_scan(scan, radar); });
           },
           py::arg("time"), py::arg("points"), py::arg("radar") = 0,
           "Takes one radar scan.\n\n"
@@ -172,14 +213,27 @@ void bind_odometry(py::module_& module) {
           "required. Points with a masked value are left out.")
       .def(
           "reset",
-          [](Odometry& o, const NavState& state, const Eigen::Ref<const Eigen::MatrixXd>& P) {
-            if (P.rows() != body::kSize || P.cols() != body::kSize) {
+          [](Odometry& o, const std::optional<NavState>& state,
+             const std::optional<Eigen::MatrixXd>& P) {
+            if (state.has_value() != P.has_value()) {
+              throw py::type_error("reset: a state and its covariance are expected, or neither");
+            }
+            if (P && (P->rows() != body::kSize || P->cols() != body::kSize)) {
               throw py::value_error("covariance: 15 x 15 values are expected");
             }
-            return o.reset(state, BodyCovariance(P));
+            return added(o, [&](Odometry& to) {
+              if (state) return to.reset(*state, BodyCovariance(*P));
+              to.reset();
+              return Status::kOk;
+            });
           },
-          py::arg("state"), py::arg("covariance"),
-          "Starts from a known state.\n\ncovariance: (15, 15), order of covariance()")
+          py::arg("state") = py::none(), py::arg("covariance") = py::none(),
+          "Starts from a known state; without one discards everything and waits for a\n"
+          "standstill, as a new estimator does.\n\ncovariance: (15, 15), order of covariance()")
+      .def("on_scan", &set_on_scan, py::arg("call"),
+           "From now on call(odometry) is called for every scan that was processed, within the\n"
+           "add_imu() or add_scan() that did it, which raises what it raises, once its data are\n"
+           "taken. It may look, but not add anything to this estimator. None ends it.")
       .def("initialized", &Odometry::initialized, "Whether there is an estimate.")
       .def(
           "now", [](const Odometry& o) { return NavState(o.now()); },
@@ -195,12 +249,24 @@ void bind_odometry(py::module_& module) {
           "covariance_now", [](const Odometry& o) { return Eigen::MatrixXd(o.covariance_now()); },
           "Covariance of now(), same order.")
       .def(
-          "report", [](const Odometry& o) { return UpdateReport(o.report()); }, "The last update.")
+          "points",
+          [](const Odometry& o) -> py::array {
+            std::vector<PointRow> rows;
+            add_points(o, &rows);
+            return as_rows(std::move(rows));
+          },
+          "The points of the last scan, fields as of Result.points; none if it was not used.")
       .def(
-          "health", [](const Odometry& o) { return Health(o.health()); },
-          "How far the estimate can be trusted.")
+          "landmarks",
+          [](const Odometry& o) -> py::array {
+            std::vector<LandmarkRow> rows;
+            add_landmarks(o, &rows);
+            return as_rows(std::move(rows));
+          },
+          "The landmarks in the state, fields as of Result.landmark_states.")
       .def("counters", &counters_of, "What was taken and what was refused, as a dict.");
   bind_aids(&odometry);
+  bind_values(module);
 }
 
 }  // namespace rio::python

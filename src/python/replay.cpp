@@ -30,16 +30,10 @@ struct ScanRow {
   std::int32_t landmarks_added;
   std::int32_t landmarks_removed;
   bool at_rest;
-  std::uint8_t health;   ///< index of rio.HEALTH_STATES
-  std::int32_t quality;  ///< 0 to 100
-};
-
-/// A row of Result.landmark_states.
-struct LandmarkRow {
-  std::int64_t time;        ///< of the scan [ns]
-  double position[3];       ///< world axes [m]
-  double covariance[3][3];  ///< of it [m^2]
-  std::int64_t last_seen;   ///< [ns]
+  std::uint8_t health;                                      ///< index of rio.HEALTH_STATES
+  std::int32_t quality;                                     ///< 0 to 100
+  std::array<double, kCalibrationCount> calibration;        ///< order of rio.CALIBRATION, SI
+  std::array<double, kCalibrationCount> calibration_sigma;  ///< 0 = not estimated
 };
 
 struct Event {
@@ -57,7 +51,8 @@ class Recorder {
     add_state(odometry.at_scan(), odometry.covariance());
     add_scan(odometry.report());
     add_innovations(odometry.report(), &innovations);
-    add_landmarks(odometry);
+    add_points(odometry, &points);
+    add_landmarks(odometry, &landmark_states);
     add_events(odometry.report(), odometry.counters());
   }
 
@@ -70,6 +65,7 @@ class Recorder {
   std::vector<std::array<double, body::kSize * body::kSize>> covariances;
   std::vector<ScanRow> scans;
   std::vector<InnovationRow> innovations;
+  std::vector<PointRow> points;
   std::vector<LandmarkRow> landmark_states;
   std::vector<Event> events;
 
@@ -111,17 +107,12 @@ class Recorder {
                      r.landmarks_removed,
                      r.at_rest,
                      static_cast<std::uint8_t>(r.health.state),
-                     r.health.quality});
-  }
-
-  void add_landmarks(const Odometry& odometry) {
-    for (const LandmarkReport& l : odometry.landmarks()) {
-      LandmarkRow row{odometry.report().time.count(), {}, {}, l.last_seen.count()};
-      for (int i = 0; i < 3; ++i) {
-        row.position[i] = l.position_W[i];
-        for (int j = 0; j < 3; ++j) row.covariance[i][j] = l.covariance_W(i, j);
-      }
-      landmark_states.push_back(row);
+                     r.health.quality,
+                     {},
+                     {}});
+    for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+      scans.back().calibration[i] = r.calibration[i].value;
+      scans.back().calibration_sigma[i] = r.calibration[i].sigma;
     }
   }
 
@@ -185,6 +176,7 @@ py::dict result_of(tools::Replayed&& replayed, Recorder&& recorder) {
       std::move(recorder.covariances), {count, py::ssize_t{body::kSize}, py::ssize_t{body::kSize}});
   out["scans"] = as_rows(std::move(recorder.scans));
   out["innovations"] = as_rows(std::move(recorder.innovations));
+  out["points"] = as_rows(std::move(recorder.points));
   out["landmark_states"] = as_rows(std::move(recorder.landmark_states));
   out["events"] = events_of(recorder.events);
   out["summary"] = replayed.summary.json();
@@ -216,8 +208,7 @@ void bind_replay(py::module_& module) {
   PYBIND11_NUMPY_DTYPE(ScanRow, time, radar, detections, detections_kept, static_detections,
                        ego_velocity, ego_velocity_valid, trails, clones, landmarks,
                        landmarks_matched, landmarks_added, landmarks_removed, at_rest, health,
-                       quality);
-  PYBIND11_NUMPY_DTYPE(LandmarkRow, time, position, covariance, last_seen);
+                       quality, calibration, calibration_sigma);
   module.def(
       "replay",
       [](const std::string& path, const std::vector<std::string>& texts, const std::string& preset,
@@ -231,7 +222,7 @@ void bind_replay(py::module_& module) {
         arguments.how.sensors = sensors;
         arguments.how.dataset = dataset;
         arguments.barometer = barometer;
-        arguments.no_check = !check;
+        arguments.findings = check;
         arguments.silent = true;
         return replayed_arrays(arguments);
       },

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What rio.Odometry returns: status, state, health and report.
+// What rio.Odometry returns: status, state, the values of health and report, points, landmarks.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bindings.hpp"
+#include "view/calibration_names.hpp"
 
 namespace rio::python {
 
@@ -76,35 +77,16 @@ void bind_state(py::module_& module) {
       });
 }
 
-py::dict severities(const Health& health, double at_least) {
-  py::dict out;
+py::dict dict_of(const Health& h) {
+  using namespace py::literals;
+  py::dict severity;
   for (std::size_t i = 0; i < kHealthReasonCount; ++i) {
-    if (health.severity[i] < at_least) continue;
-    out[to_string(static_cast<HealthReason>(i))] = health.severity[i];
+    severity[to_string(static_cast<HealthReason>(i))] = h.severity[i];
   }
-  return out;
-}
-
-void bind_health(py::module_& module) {
-  py::class_<Health>(module, "Health", "How far the estimate can be trusted; rio/health.hpp.")
-      .def_property_readonly(
-          "state", [](const Health& h) { return to_string(h.state); },
-          "'initialising', 'ok', 'degraded', 'dead reckoning' or 'lost': the worst of the three")
-      .def_property_readonly("position", [](const Health& h) { return to_string(h.position); })
-      .def_property_readonly("velocity", [](const Health& h) { return to_string(h.velocity); })
-      .def_property_readonly("heading", [](const Health& h) { return to_string(h.heading); })
-      .def_readonly("quality", &Health::quality, "0 to 100; 50 where degraded begins")
-      .def_readonly("reset_counter", &Health::reset_counter, "jumps of the estimate, modulo 256")
-      .def_property_readonly(
-          "reasons", [](const Health& h) { return severities(h, 1.0); },
-          "what makes it less than ok: {name: severity of 1 or more}")
-      .def_property_readonly(
-          "severity", [](const Health& h) { return severities(h, 0.0); },
-          "every reason: {name: signal over limit}")
-      .def("__repr__", [](const py::object& h) {
-        return py::str("<rio.Health: {}, quality {}, reasons {}>")
-            .format(h.attr("state"), h.attr("quality"), h.attr("reasons"));
-      });
+  return py::dict("state"_a = to_string(h.state), "position"_a = to_string(h.position),
+                  "velocity"_a = to_string(h.velocity), "heading"_a = to_string(h.heading),
+                  "quality"_a = h.quality, "reset_counter"_a = h.reset_counter,
+                  "severity"_a = severity);
 }
 
 py::dict models_of(const UpdateReport& report) {
@@ -119,34 +101,35 @@ py::dict models_of(const UpdateReport& report) {
   return out;
 }
 
-void bind_update(py::module_& module) {
-  const auto radar = [](const UpdateReport& r) { return r.radar; };
-  py::class_<UpdateReport>(module, "Report", "The last update; see UpdateReport in rio/report.hpp.")
-      .def_property_readonly(
-          "time", [](const UpdateReport& r) { return r.time.count(); },
-          "stamp of the scan, int, nanoseconds")
-      .def_property_readonly("radar", radar, "index of the radar of the scan")
-      .def_readonly("status", &UpdateReport::status)
-      .def_readonly("detections", &UpdateReport::detections, "in the scan")
-      .def_readonly("detections_kept", &UpdateReport::detections_kept, "after the filter")
-      .def_readonly("static_detections", &UpdateReport::static_detections,
-                    "inliers of the ego-velocity consensus")
-      .def_readonly("ego_velocity", &UpdateReport::ego_velocity_S, "(3,) radar axes [m/s]")
-      .def_readonly("ego_velocity_valid", &UpdateReport::ego_velocity_valid)
-      .def_readonly("trails", &UpdateReport::trails, "alive after the update")
-      .def_readonly("landmarks", &UpdateReport::landmarks, "in the state")
-      .def_readonly("landmarks_matched", &UpdateReport::landmarks_matched)
-      .def_readonly("at_rest", &UpdateReport::at_rest, "standstill for a while, by IMU and radar")
-      .def_readonly("health", &UpdateReport::health)
-      .def_property_readonly("models", &models_of, "{model: {'rows_used': ..., 'nis': ...}}")
-      .def_property_readonly(
-          "innovations",
-          [](const UpdateReport& r) {
-            std::vector<InnovationRow> rows;
-            add_innovations(r, &rows);
-            return as_rows(std::move(rows));
-          },
-          "structured array, one record per measurement; fields as of Result.innovations");
+py::dict calibration_of(const UpdateReport& report) {
+  py::dict out;
+  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+    const CalibrationReport& c = report.calibration[i];
+    if (c.observability == Observability::kNotEstimated) continue;
+    out[view::kCalibrationNames[i].name] = py::make_tuple(c.value, c.sigma);
+  }
+  return out;
+}
+
+py::dict dict_of(const UpdateReport& r) {
+  using namespace py::literals;
+  std::vector<InnovationRow> rows;
+  add_innovations(r, &rows);
+  return py::dict("time"_a = r.time.count(), "radar"_a = r.radar, "status"_a = r.status,
+                  "detections"_a = r.detections, "detections_kept"_a = r.detections_kept,
+                  "static_detections"_a = r.static_detections, "ego_velocity"_a = r.ego_velocity_S,
+                  "ego_velocity_valid"_a = r.ego_velocity_valid, "trails"_a = r.trails,
+                  "landmarks"_a = r.landmarks, "landmarks_matched"_a = r.landmarks_matched,
+                  "at_rest"_a = r.at_rest, "health"_a = dict_of(r.health),
+                  "models"_a = models_of(r), "calibration"_a = calibration_of(r),
+                  "innovations"_a = as_rows(std::move(rows)));
+}
+
+template <std::size_t kCount, class Name>
+py::tuple names(const Name& name) {
+  py::list out;
+  for (std::size_t i = 0; i < kCount; ++i) out.append(name(i));
+  return out;
 }
 
 }  // namespace
@@ -159,14 +142,64 @@ void add_innovations(const UpdateReport& report, std::vector<InnovationRow>* row
   }
 }
 
+void add_points(const Odometry& odometry, std::vector<PointRow>* rows) {
+  const UpdateReport& report = odometry.report();
+  for (const PointReport& p : odometry.points()) {
+    const Vector3d& s = p.point_S;
+    const Vector3d& w = p.point_W;
+    rows->push_back({report.time.count(),
+                     static_cast<std::uint8_t>(report.radar),
+                     static_cast<std::uint8_t>(p.label),
+                     {s.x(), s.y(), s.z()},
+                     {w.x(), w.y(), w.z()},
+                     p.range_rate,
+                     p.snr_db,
+                     p.residual,
+                     p.residual_sigma});
+  }
+}
+
+void add_landmarks(const Odometry& odometry, std::vector<LandmarkRow>* rows) {
+  for (const LandmarkReport& l : odometry.landmarks()) {
+    LandmarkRow row{odometry.report().time.count(), {}, {}, l.last_seen.count()};
+    for (int i = 0; i < 3; ++i) {
+      row.position[i] = l.position_W[i];
+      for (int j = 0; j < 3; ++j) row.covariance[i][j] = l.covariance_W(i, j);
+    }
+    rows->push_back(row);
+  }
+}
+
 void bind_report(py::module_& module) {
+  PYBIND11_NUMPY_DTYPE(InnovationRow, time, radar, model, result, detection, dof, innovation, sigma,
+                       nis, gate);
+  PYBIND11_NUMPY_DTYPE(PointRow, time, radar, label, point, position, doppler, snr, residual,
+                       sigma);
+  PYBIND11_NUMPY_DTYPE(LandmarkRow, time, position, covariance, last_seen);
   bind_status(module);
   bind_state(module);
-  bind_health(module);
-  bind_update(module);
-  py::list models;
-  for (std::size_t i = 0; i < kModelCount; ++i) models.append(to_string(static_cast<Model>(i)));
-  module.attr("MODELS") = py::tuple(models);
+  module.attr("MODELS") =
+      names<kModelCount>([](std::size_t i) { return to_string(static_cast<Model>(i)); });
+  module.attr("POINT_LABELS") =
+      names<kPointLabelCount>([](std::size_t i) { return to_string(static_cast<PointLabel>(i)); });
+  module.attr("CALIBRATION") =
+      names<kCalibrationCount>([](std::size_t i) { return view::kCalibrationNames[i].name; });
+}
+
+// what rio.Health and rio.Report hold, and the pose of a radar
+void bind_values(py::module_& module) {
+  module.def(
+      "health_of", [](const Odometry& o) { return dict_of(o.health()); }, py::arg("odometry"));
+  module.def(
+      "report_of", [](const Odometry& o) { return dict_of(o.report()); }, py::arg("odometry"));
+  module.def(
+      "extrinsics_of",
+      [](const Odometry& o, std::size_t radar) {
+        const Pose& pose = o.extrinsics(radar);
+        const std::array<double, 4> q = wxyz(pose.rotation);
+        return py::make_tuple(pose.translation, Eigen::Vector4d(q[0], q[1], q[2], q[3]));
+      },
+      py::arg("odometry"), py::arg("radar"));
 }
 
 }  // namespace rio::python

@@ -78,9 +78,7 @@ view::RunStart run_start(const ReplayArguments& arguments, const OpenRecording& 
           recording.samples->outline().imu_begin};
 }
 
-/// Feeds the samples in the order of their stamps. At most one scan of a single radar waits for the
-/// IMU: scans inside a gap of the IMU are given after it, and those farther back than
-/// timing.max_lag count as late. Those of several radars wait for each other.
+/// Feeds samples and scans in the order of their stamps, in a pause of the IMU, too, as live.
 class Replay {
  public:
   /// @param steps of the clocks, to be taken out
@@ -113,8 +111,7 @@ class Replay {
       if (stop_requested != 0) return finish();
       pace(sample->time);
       progress.show(imu_, outline_.imu_samples);
-      const std::optional<Time> due = waiting_ ? std::nullopt : feed_.due();
-      if (due && *due < sample->time) {
+      if (const std::optional<Time> due = feed_.due(); due && *due < sample->time) {
         give_scan();
       } else {
         give_imu(*sample);
@@ -122,7 +119,7 @@ class Replay {
         next_imu();
       }
     }
-    while (!waiting_ && feed_.due()) give_scan();
+    while (waiting_ == 0 && feed_.due()) give_scan();
     return finish();
   }
 
@@ -174,7 +171,7 @@ class Replay {
     if (!was_initialized && odometry_->initialized() && !arguments_.init_velocity.empty()) {
       restart(odometry_->at_scan(), BodyCovariance(odometry_->covariance()));
     }
-    if (this->restarts() != restarts) waiting_ = false;  // the scan has been discarded as late
+    if (this->restarts() != restarts) waiting_ = 0;  // they have been discarded as late
   }
 
   std::uint64_t restarts() const {
@@ -195,7 +192,7 @@ class Replay {
     Status status = Status::kOk;
     timed([&] { status = odometry_->add_scan(scan, radar); });
     if (status == Status::kNotInitialized) ++summary_.scans_before_start;
-    waiting_ = !several_ && status == Status::kWaiting;
+    if (!several_ && status == Status::kWaiting) ++waiting_;
   }
 
   /// Calls the estimator, whose time is counted without that of recording.
@@ -211,7 +208,7 @@ class Replay {
   /// Within a call of the estimator, which does not throw.
   void record() noexcept {
     const Time before = live::HostClock::real();
-    waiting_ = false;
+    if (waiting_ > 0) --waiting_;
     try {
       if (!error_) record_scan();
     } catch (...) {
@@ -238,7 +235,7 @@ class Replay {
   ReplaySummary finish() {
     outputs_->close();
     summary_.started = odometry_->initialized();
-    summary_.scans_unprocessed = static_cast<int>(feed_.scans_left()) + (waiting_ ? 1 : 0);
+    summary_.scans_unprocessed = static_cast<int>(feed_.scans_left()) + waiting_;
     summary_.counters = odometry_->counters();
     summary_.height_offset = auxiliary<HeightOffset>(*odometry_);
     summary_.span = outline_.imu_end - outline_.imu_begin;
@@ -262,7 +259,7 @@ class Replay {
   std::optional<ScanOutputs> outputs_;             ///< after the start, which may fail
   std::optional<Time> paced_from_;  ///< this machine's clock minus that of the recording
   std::unique_ptr<Odometry> odometry_;
-  bool waiting_ = false;      ///< a scan of the single radar waits for the IMU
+  int waiting_ = 0;           ///< scans of the single radar that wait for the IMU
   Time recording_{0};         ///< spent on it within a call
   std::exception_ptr error_;  ///< of recording
   ReplaySummary summary_;

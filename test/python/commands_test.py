@@ -144,7 +144,14 @@ def test_results_are_copied_pickled_and_shown(flight):
         for name in ("time", "position", "orientation", "velocity", "gyro_bias", "accel_bias"):
             assert np.array_equal(getattr(twin, name), getattr(state, name)), name
     assert repr(state).startswith("<rio.State: time 7, position [1. 2. 3.], velocity [4. 5. 6.]")
-    assert repr(rio.Odometry().health()).startswith("<rio.Health: initialising, quality ")
+    odometry = rio.Odometry()
+    assert repr(odometry.health()).startswith("<rio.Health: initialising, quality ")
+    for twin in (copy.copy(odometry.health()), pickle.loads(pickle.dumps(odometry.health()))):
+        assert twin == odometry.health() and twin.severity["radar silent"] == 0.0
+    report = odometry.report()
+    for copied in (copy.deepcopy(report), pickle.loads(pickle.dumps(report))):
+        assert (copied.status, copied.health, copied.models) == (rio.Status.OK, report.health, report.models)
+        assert copied.innovations.dtype == report.innovations.dtype
     result = rio.replay(flight)
     twin = pickle.loads(pickle.dumps(result))
     assert twin != result and {result: "a key"}[result]  # arrays have no single truth value

@@ -20,12 +20,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _rio
-from ._rio import MODELS, Error, Health, Report, State, Status, __version__
+from ._rio import CALIBRATION, MODELS, POINT_LABELS, Error, State, Status, __version__
 
 __all__ = [
-    "Error", "Event", "Finding", "Findings", "HEALTH_STATES", "Health", "MODELS", "Odometry", "Options",
-    "Path", "RESULTS", "Report", "Result", "State", "Status", "__version__", "check", "evaluate",
-    "options_of", "read_path", "replay", "simulate",
+    "CALIBRATION", "Error", "Event", "Finding", "Findings", "HEALTH_STATES", "Health", "MODELS", "Odometry",
+    "Options", "POINT_LABELS", "Path", "Pose", "RESULTS", "Report", "Result", "State", "Status", "__version__",
+    "check", "evaluate", "options_of", "read_path", "replay", "simulate",
 ]
 
 HEALTH_STATES = ("initialising", "ok", "degraded", "dead reckoning", "lost")
@@ -141,6 +141,72 @@ def _options(options: OptionsLike) -> Options:
     return options if isinstance(options, Options) else Options(options)
 
 
+class Pose(NamedTuple):
+    """Of a radar in the body: translation (3,) [m], orientation (4,) w, x, y, z, radar to body."""
+
+    translation: NDArray[np.float64]
+    orientation: NDArray[np.float64]
+
+
+@dataclass(frozen=True, repr=False)
+class Health:
+    """How far the estimate can be trusted; rio/health.hpp."""
+
+    state: str
+    """'initialising', 'ok', 'degraded', 'dead reckoning' or 'lost': the worst of the three"""
+    position: str
+    velocity: str
+    heading: str
+    quality: int
+    """0 to 100; 50 where degraded begins"""
+    reset_counter: int
+    """jumps of the estimate, modulo 256"""
+    severity: dict[str, float]
+    """every reason: {name: signal over limit}"""
+
+    @property
+    def reasons(self) -> dict[str, float]:
+        """What makes it less than ok: {name: severity of 1 or more}; "one radar silent" is only told."""
+        return {name: severity for name, severity in self.severity.items() if severity >= 1.0}
+
+    def __repr__(self) -> str:
+        return f"<rio.Health: {self.state}, quality {self.quality}, reasons {self.reasons}>"
+
+
+@dataclass(frozen=True, eq=False)
+class Report:
+    """The last update; see UpdateReport in rio/report.hpp."""
+
+    time: int
+    """stamp of the scan [ns]"""
+    radar: int
+    """index of the radar of the scan"""
+    status: Status
+    detections: int
+    """in the scan"""
+    detections_kept: int
+    """after the filter"""
+    static_detections: int
+    """inliers of the ego-velocity consensus"""
+    ego_velocity: NDArray[np.float64]
+    """(3,) radar axes [m/s]"""
+    ego_velocity_valid: bool
+    trails: int
+    """alive after the update"""
+    landmarks: int
+    """in the state"""
+    landmarks_matched: int
+    at_rest: bool
+    """standstill for a while, by IMU and radar"""
+    health: Health
+    models: dict[str, dict[str, float]]
+    """{model: {'rows_used': ..., 'nis': ...}}"""
+    calibration: dict[str, tuple[float, float]]
+    """{name of CALIBRATION: (correction to the option, sigma)} of what is estimated, SI units"""
+    innovations: NDArray[np.void]
+    """one record per measurement; fields as of Result.innovations"""
+
+
 class Odometry(_rio.Odometry):
     """The estimator, fed sample by sample; see rio/rio.hpp for the rules of order and time.
 
@@ -161,6 +227,20 @@ class Odometry(_rio.Odometry):
         chosen = _options(options)
         names = [auxiliary] if isinstance(auxiliary, str) else list(auxiliary)
         super().__init__(chosen._texts, chosen._preset, os.fspath(sensors), names)
+
+    def health(self) -> Health:
+        """How far the estimate can be trusted."""
+        return Health(**_rio.health_of(self))
+
+    def report(self) -> Report:
+        """The last update."""
+        values = _rio.report_of(self)
+        values["health"] = Health(**values["health"])
+        return Report(**values)
+
+    def extrinsics(self, radar: int = 0) -> Pose:
+        """Pose of a radar in the body: the estimate, or that of the options if it is not estimated."""
+        return Pose(*_rio.extrinsics_of(self, radar))
 
 
 class Path(NamedTuple):
@@ -201,10 +281,16 @@ class Result:
     covariances: NDArray[np.float64]
     """(N, 15, 15) errors of attitude (body axes), position, velocity, gyro bias, accel bias"""
     scans: NDArray[np.void]
-    """one record per processed scan: time, radar, detections, static_detections, landmarks, ..."""
+    """one record per processed scan: time, radar, detections, static_detections, landmarks, ...,
+    calibration and calibration_sigma (8, corrections to the options in the order of CALIBRATION, SI
+    units; a sigma of zero: not estimated)"""
     innovations: NDArray[np.void]
     """one record per measurement: time, radar, model (of MODELS), result (of RESULTS), detection,
     dof, innovation, sigma (of the first row), nis, gate"""
+    points: NDArray[np.void]
+    """one record per point of the filtered scans, in the order of `detection`: time, radar, label (of
+    POINT_LABELS), point (3) in radar axes, position (3) in the world, doppler, snr, residual (doppler
+    minus that of a static point) and its sigma"""
     landmark_states: NDArray[np.void]
     """one record per landmark and scan: time, position (3) in the world, covariance (3, 3), last_seen"""
     events: list[Event]
@@ -251,7 +337,8 @@ def replay(path: PathLike, options: OptionsLike = None, *, init: str = "", map: 
     init: "groundtruth", "static" or a file; by default groundtruth if there is one
     map, sensors, dataset: of a bag, as the flags of that name
     barometer: use the heights of the recording
-    check: also look for errors of the recording, into summary["data"]
+    check: also look for errors of the recording, into summary["data"]; steps of its clocks are taken
+        out in any case
 
     A lost estimate is a Result with `lost`; a replay that could not start is a rio.Error.
     Other threads run meanwhile; Ctrl-C ends it.
