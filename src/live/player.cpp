@@ -62,7 +62,7 @@ void Cable::send(Bytes packet, Time due) {
     ++counters_.split;
     cut(packet, due);
   } else {
-    pieces_.push_back({due, std::move(packet)});
+    pieces_.push_back({due, std::move(packet), counters_});
   }
 }
 
@@ -74,8 +74,9 @@ void Cable::cut(const Bytes& packet, Time due) {
   std::size_t begin = 0;
   for (const std::size_t end : ends) {
     const auto at = packet.begin();
-    pieces_.push_back({due, Bytes(at + static_cast<std::ptrdiff_t>(begin),
-                                  at + static_cast<std::ptrdiff_t>(end))});
+    pieces_.push_back(
+        {due, Bytes(at + static_cast<std::ptrdiff_t>(begin), at + static_cast<std::ptrdiff_t>(end)),
+         counters_});
     begin = end;
     due += kApart;
   }

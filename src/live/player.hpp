@@ -29,18 +29,19 @@ struct CableNoise {
   std::uint64_t seed = 1;
 };
 
-/// Bytes that arrive together.
-struct Piece {
-  Time due{0};
-  Bytes bytes;
-};
-
 struct CableCounters {
   std::uint64_t packets = 0;
   std::uint64_t dropped = 0;
   std::uint64_t damaged = 0;
   std::uint64_t delayed = 0;
   std::uint64_t split = 0;
+};
+
+/// Bytes that arrive together.
+struct Piece {
+  Time due{0};
+  Bytes bytes;
+  CableCounters sent{};  ///< up to the packet that they belong to
 };
 
 /// One line. Bytes arrive in the order of sending. The same seed and packets give the same pieces.

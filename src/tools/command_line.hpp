@@ -3,7 +3,9 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <cmath>
+#include <cstdlib>
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -15,8 +17,9 @@ namespace rio::tools {
 
 struct ViewArguments;
 
-/// Makes options that take a number refuse nan, for which every range has room.
-inline void refuse_nan(CLI::App* app) {
+/// Makes options that take a number refuse nan, for which every range has room, and whole numbers
+/// too large for 64 bits, which would be cut.
+inline void refuse_no_numbers(CLI::App* app) {
   const CLI::Validator is_number(
       [](std::string& text) {
         double value = 0.0;
@@ -24,10 +27,18 @@ inline void refuse_nan(CLI::App* app) {
         return nan ? text + " is not a number" : std::string();
       },
       "");
+  const CLI::Validator fits(
+      [](std::string& text) {
+        errno = 0;
+        (void)std::strtoull(text.c_str(), nullptr, 0);
+        return errno == ERANGE ? text + " is too large" : std::string();
+      },
+      "");
   for (CLI::Option* option : app->get_options()) {
     if (option->get_type_name().rfind("FLOAT", 0) == 0) option->check(is_number);
+    if (option->get_type_name().rfind("UINT", 0) == 0) option->check(fits);
   }
-  for (CLI::App* command : app->get_subcommands({})) refuse_nan(command);
+  for (CLI::App* command : app->get_subcommands({})) refuse_no_numbers(command);
 }
 
 /// CLI::PositiveNumber and CLI::NonNegativeNumber say the largest double in all its digits.

@@ -39,7 +39,7 @@ void LiveSummary::on_imu(const live::Session& session, const ImuSample& sample) 
   const Time step = newest_ ? sample.time - *newest_ : Time{0};
   if (step > Time{0} && step < kLongestPause) replay_.span += step;
   newest_ = sample.time;
-  if (odometry.initialized()) replay_.health.add(sample.time, odometry.health());
+  replay_.health.add(sample.time, odometry.health());
 }
 
 void LiveSummary::on_estimate(const live::Session& session, Time arrival) {

@@ -152,7 +152,7 @@ int run(int argc, char** argv) {
         add_describe_command}) {
     add(app);
   }
-  refuse_nan(&app);
+  refuse_no_numbers(&app);
   try {
     app.parse(argc, argv);
     if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");

@@ -208,11 +208,11 @@ void add_compare_command(CLI::App& app) {
   CompareArguments* to = command.runs(&compare);
   command.add("RUN", &to->runs, "recordings, which are replayed, and trajectories (TUM, EuRoC csv)",
               kRequired);
-  command.add("--preset", &to->presets, "several, separated by commas: a run with each")
+  command.add("--preset", &to->presets, "several, separated by commas: a run with each", kOneEach)
       ->delimiter(',');
   command
       .add("--backend", &to->backends, "ekf, smoother or both, with a comma",
-           CLI::IsMember({"ekf", "smoother"}))
+           CLI::IsMember({"ekf", "smoother"}), kOneEach)
       ->delimiter(',');
   command.add("--vary", &to->vary,
               "KEY=VALUE,VALUE,...: a run with each; several: every combination", kOneEach);
@@ -244,7 +244,7 @@ void add_plot_command(CLI::App& app) {
       command.add("--truth", &to->truth, "true path: same formats; adds the errors");
   add_pose_topic(command, &to->truth_topic)->needs(truth);
   add_pose_topic(command, &to->topic, "--topic");
-  command.add("--label", &to->labels, "names for the legend, one for each estimate");
+  command.add("--label", &to->labels, "name for the legend; one for each estimate", kOneEach);
   add_alignment(command, &to->align)->needs(truth);
   command.add("--out", &to->out, "SVG file to write", kRequired);
 }

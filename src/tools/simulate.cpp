@@ -193,15 +193,25 @@ void play_live(const fs::path& out, const io::Dataset& flight, const live::Cable
   while (!std::all_of(ptys.begin(), ptys.end(), is_open) && stop_requested == 0) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
-  live::play(live::in_order(lines.pieces), speed, stop_requested, [&](const live::Event& event) {
+  std::vector<live::CableCounters> sent(lines.ports.size());
+  Time played{0};
+  const std::vector<live::Event> events = live::in_order(lines.pieces);
+  live::play(events, speed, stop_requested, [&](const live::Event& event) {
+    sent[event.line] = event.piece->sent;
+    played = event.piece->due - events.front().piece->due;
     const live::Bytes& bytes = event.piece->bytes;
     (void)ptys[event.line].write(bytes.data(), bytes.size());  // lost without a reader
     return true;
   });
   // unread bytes are lost when a pseudo-terminal is closed
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  if (stop_requested == 0) {
+    sent = lines.counters;  // those dropped at the end, too
+  } else {
+    fmt::print("stopped after {:.1f} s\n", to_seconds(played));
+  }
   for (std::size_t i = 0; i < lines.ports.size(); ++i) {
-    const live::CableCounters& cable = lines.counters[i];
+    const live::CableCounters& cable = sent[i];
     fmt::print("{}: {} packets, {} dropped, {} damaged, {} delayed, {} split\n",
                lines.ports[i].string(), cable.packets, cable.dropped, cable.damaged, cable.delayed,
                cable.split);

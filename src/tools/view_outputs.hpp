@@ -37,6 +37,9 @@ class ViewOutputs : public live::Listener {
   void begin(const view::RunStart& start);
   /// After a scan was processed.
   void add(const Odometry& odometry);
+  void on_imu(const live::Session& /*session*/, const ImuSample& sample) override {
+    if (report_ != nullptr) report_->begin_at(sample.time);
+  }
   void on_estimate(const live::Session& session, Time /*arrival*/) override {
     add(session.odometry());
   }

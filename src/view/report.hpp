@@ -16,6 +16,10 @@ namespace rio::view {
 class ReportBuilder : public RunSink {
  public:
   void begin(const RunStart& start) override;
+  /// The recording begins, if begin() did not know when.
+  void begin_at(Time time) {
+    if (!start_.begin) start_.begin = time;
+  }
   void add(const Odometry& odometry, const std::vector<Event>& events) override;
   void close() override;
 

@@ -87,6 +87,7 @@ TEST_F(Live, ShowsTheFlightWhileItHappens) {
       fly("shown", "",
           " --mcap " + mcap + " --view 0 --report " + page + " --states " + file("shown.csv"));
   ASSERT_EQ(live.code, 0) << live.output << player.output;
+  EXPECT_GT(live.json()["health"]["seconds"]["initialising"], 1.4);  // from the first sample on
   const std::size_t rows = lines_of(file("shown.csv")).size();
   EXPECT_GT(rows, 50U);
   const Outcome info = rio("info " + mcap);

@@ -112,6 +112,7 @@ TEST_F(Tool, WrongScenariosAreRejected) {
   fails(2, simulate + " --trajectory " + flight_ + " --length 30",
         {"--length excludes --trajectory"});
   fails(2, simulate + " --seed -1", {"--seed"});
+  fails(2, simulate + " --seed 18446744073709551616", {"18446744073709551616 is too large"});
   fails(2, simulate + " --length 3", {"--length"});
   fails(2, simulate + " --length nan", {"--length: nan is not a number"});
   EXPECT_FALSE(fs::exists(file("rejected")));

@@ -153,7 +153,7 @@ int run(int argc, char** argv) {
   app.add_option(
       "--update", arguments.update,
       "Markdown file in which the block of this experiment is replaced, and its charts beside it");
-  rio::tools::refuse_nan(&app);
+  rio::tools::refuse_no_numbers(&app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -180,6 +180,20 @@ TEST(Session, NothingIsInventedWhereBytesAreLost) {
   }
 }
 
+/// For a flight that is stopped before its end.
+TEST(Session, APieceKnowsWhatWasSentUpToIt) {
+  const CableNoise noise{.dropped = 0.1, .damaged = 0.1, .delayed = 0.2, .split = 0.5, .seed = 5};
+  const Cable whole = imu_line(flight().imu, Cable(noise));
+  const Cable begin = imu_line({flight().imu.begin(), flight().imu.begin() + 500}, Cable(noise));
+  const CableCounters& sent = whole.pieces()[begin.pieces().size() - 1].sent;
+  EXPECT_LT(begin.counters().packets - sent.packets, 5U);  // dropped after it
+  EXPECT_EQ(begin.counters().packets - sent.packets, begin.counters().dropped - sent.dropped);
+  EXPECT_EQ(begin.counters().damaged, sent.damaged);
+  EXPECT_EQ(begin.counters().delayed, sent.delayed);
+  EXPECT_EQ(begin.counters().split, sent.split);
+  EXPECT_LT(sent.packets, whole.counters().packets);
+}
+
 /// Packets without padding whose last byte may be that of a magic word: the reader waits for the
 /// next bytes, the session no longer than for a pause.
 TEST(Session, AFrameThatEndsAsAMagicWordBeginsDoesNotWaitForTheNext) {
