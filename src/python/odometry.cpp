@@ -173,6 +173,41 @@ void set_on_scan(const py::object& self, const py::object& call) {
   odometry.on_scan(std::move(told));
 }
 
+/// What there is to look at.
+void bind_views(py::class_<Odometry>* odometry) {
+  odometry->def("initialized", &Odometry::initialized, "Whether there is an estimate.")
+      .def(
+          "now", [](const Odometry& o) { return NavState(o.now()); },
+          "Estimate at the newest IMU sample.")
+      .def(
+          "at_scan", [](const Odometry& o) { return NavState(o.at_scan()); },
+          "Estimate at the newest processed scan.")
+      .def(
+          "covariance", [](const Odometry& o) { return Eigen::MatrixXd(o.covariance()); },
+          "Covariance of at_scan(): (15, 15), errors of attitude (body axes), position, velocity,\n"
+          "gyro bias, accelerometer bias, SI units.")
+      .def(
+          "covariance_now", [](const Odometry& o) { return Eigen::MatrixXd(o.covariance_now()); },
+          "Covariance of now(), same order.")
+      .def(
+          "points",
+          [](const Odometry& o) -> py::array {
+            std::vector<PointRow> rows;
+            add_points(o, &rows);
+            return as_rows(std::move(rows));
+          },
+          "The points of the last scan, fields as of Result.points; none if it was not used.")
+      .def(
+          "landmarks",
+          [](const Odometry& o) -> py::array {
+            std::vector<LandmarkRow> rows;
+            add_landmarks(o, &rows);
+            return as_rows(std::move(rows));
+          },
+          "The landmarks in the state, fields as of Result.landmark_states.")
+      .def("counters", &counters_of, "What was taken and what was refused, as a dict.");
+}
+
 }  // namespace
 
 void refuse_within_on_scan(const Odometry& odometry) {
@@ -233,38 +268,8 @@ void bind_odometry(py::module_& module) {
       .def("on_scan", &set_on_scan, py::arg("call"),
            "From now on call(odometry) is called for every scan that was processed, within the\n"
            "add_imu() or add_scan() that did it, which raises what it raises, once its data are\n"
-           "taken. It may look, but not add anything to this estimator. None ends it.")
-      .def("initialized", &Odometry::initialized, "Whether there is an estimate.")
-      .def(
-          "now", [](const Odometry& o) { return NavState(o.now()); },
-          "Estimate at the newest IMU sample.")
-      .def(
-          "at_scan", [](const Odometry& o) { return NavState(o.at_scan()); },
-          "Estimate at the newest processed scan.")
-      .def(
-          "covariance", [](const Odometry& o) { return Eigen::MatrixXd(o.covariance()); },
-          "Covariance of at_scan(): (15, 15), errors of attitude (body axes), position, velocity,\n"
-          "gyro bias, accelerometer bias, SI units.")
-      .def(
-          "covariance_now", [](const Odometry& o) { return Eigen::MatrixXd(o.covariance_now()); },
-          "Covariance of now(), same order.")
-      .def(
-          "points",
-          [](const Odometry& o) -> py::array {
-            std::vector<PointRow> rows;
-            add_points(o, &rows);
-            return as_rows(std::move(rows));
-          },
-          "The points of the last scan, fields as of Result.points; none if it was not used.")
-      .def(
-          "landmarks",
-          [](const Odometry& o) -> py::array {
-            std::vector<LandmarkRow> rows;
-            add_landmarks(o, &rows);
-            return as_rows(std::move(rows));
-          },
-          "The landmarks in the state, fields as of Result.landmark_states.")
-      .def("counters", &counters_of, "What was taken and what was refused, as a dict.");
+           "taken. It may look, but not add anything to this estimator. None ends it.");
+  bind_views(&odometry);
   bind_aids(&odometry);
   bind_values(module);
 }

@@ -231,8 +231,7 @@ TEST_P(AidingTest, ANoiseThatIsNoneIsRefused) {
   EXPECT_EQ(odometry->counters().aiding, 9U);
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   for (const double upper : {0.0, -1e-4, 1.1e-4, kNan}) {
-    R(0, 1) = upper;
-    EXPECT_EQ(with(R), Status::kNumerical) << upper;
+    EXPECT_EQ(with((R(0, 1) = upper, R)), Status::kNumerical) << upper;
   }
   for (const double variance : {-1e-2, 0.0, kNan}) {
     EXPECT_EQ(with(Vector3d(1e-2, 1e-2, variance).asDiagonal()), Status::kNumerical) << variance;
