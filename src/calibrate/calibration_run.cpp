@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrate/calibration_run.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <cstddef>
 #include <memory>
 #include <stdexcept>
 #include <string>
 
 #include "rio/rio.hpp"
+#include "rio/state/layout.hpp"
 
 namespace rio::calibrate {
 
@@ -73,6 +75,26 @@ const Start& half_way(const std::vector<Start>& states) {
   std::size_t i = 1;
   while (i < states.size() && come < 0.5 * whole) come += step(i++);
   return states[i - 1];
+}
+
+Vector3d unshown_turn(const std::vector<Start>& states, const Quaternion& q_SB) {
+  constexpr double kDirections = 0.005;  // e: rms of straight flights in the default room [rad]
+  constexpr double kLeast = 1e-4;        // of S: below the noise of the velocities
+  Matrix3d vv = Matrix3d::Zero();
+  for (std::size_t i = 1; i < states.size(); ++i) {
+    const Matrix3d R_SW = (q_SB * states[i].state.q_WB.conjugate()).toRotationMatrix();
+    const Vector3d v_S = R_SW * states[i].state.v_WB;
+    const Matrix3d noise_W = states[i].covariance.block<3, 3>(body::kVelocity, body::kVelocity);
+    vv += to_seconds(states[i].state.time - states[i - 1].state.time) *
+          (v_S * v_S.transpose() - R_SW * noise_W * R_SW.transpose());
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(vv);
+  const Vector3d squares = axes.eigenvalues().cwiseMax(0.0);
+  if (!(squares.sum() > 0.0)) return Vector3d::Zero();  // no motion: the estimator claims nothing
+  const Vector3d S = 1.5 * (Vector3d::Ones() - squares / squares.sum()).cwiseMax(kLeast);
+  const Vector3d excess =
+      kDirections * kDirections * (S.cwiseInverse().array() - 1.0).cwiseMax(0.0);
+  return axes.eigenvectors().cwiseAbs2() * excess;
 }
 
 }  // namespace rio::calibrate

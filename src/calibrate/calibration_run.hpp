@@ -36,4 +36,9 @@ CalibrationRun run_calibration(const Recording& recording, const Options& option
 /// the speed, so standing at either end counts for neither half.
 const Start& half_way(const std::vector<Start>& states);
 
+/// Variance of the rotation of a radar that its errors of direction cause along each of its axes,
+/// the larger the less the motion shows of it: (E8) of radar_calibration.hpp [rad^2].
+/// @param q_SB from body axes to those of the radar
+Vector3d unshown_turn(const std::vector<Start>& states, const Quaternion& q_SB);
+
 }  // namespace rio::calibrate

@@ -43,14 +43,18 @@ Measured without_prior(const CalibrationReport& report) {
   return {report.value * after / information, 1.0 / std::sqrt(information)};
 }
 
-/// A report relative to `centre`, converted to the configured values.
-MeasuredCalibration off_configured(const CalibrationReports& reports,
+/// A run about the calibration `radar`, which is `centre` off the configured values, relative to
+/// these.
+MeasuredCalibration off_configured(const CalibrationRun& run, const RadarOptions& radar,
                                    const CalibrationVector& centre) {
   MeasuredCalibration out{};
+  const Vector3d turn = unshown_turn(run.states, radar.T_BS.rotation.conjugate());
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
-    if (reports[i].observability == Observability::kNotEstimated) continue;
-    out[i] = without_prior(reports[i]);
-    out[i].value += centre[static_cast<Eigen::Index>(i)];
+    if (run.calibration[i].observability == Observability::kNotEstimated) continue;
+    out[i] = without_prior(run.calibration[i]);
+    const auto k = static_cast<Eigen::Index>(i);
+    out[i].value += centre[k];
+    if (k < 3) out[i].sigma = std::hypot(out[i].sigma, std::sqrt(turn[k]));
   }
   return out;
 }
@@ -98,15 +102,15 @@ std::vector<RecordingCalibration> pass(const std::vector<Recording>& recordings,
     const std::optional<Start>& start = recordings[i].start;
     RecordingCalibration result;
     const CalibrationRun whole = run(with_halves ? "second pass" : "first pass", start, kToTheEnd);
-    result.whole = off_configured(whole.calibration, centre);
+    result.whole = off_configured(whole, options.radar, centre);
     result.velocity_resets = whole.velocity_resets;
     result.begin = whole.states.front().state.time;
     result.middle = reopened(half_way(whole.states));
     if (with_halves) {
       const CalibrationRun first = run("first half", start, result.middle.state.time);
-      result.first = off_configured(first.calibration, centre);
+      result.first = off_configured(first, options.radar, centre);
       const CalibrationRun second = run("second half", result.middle, kToTheEnd);
-      result.second = off_configured(second.calibration, centre);
+      result.second = off_configured(second, options.radar, centre);
     }
     out.push_back(result);
   }

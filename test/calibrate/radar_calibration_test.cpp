@@ -131,6 +131,35 @@ TEST(RadarCalibration, StandingStillDeterminesNothing) {
   EXPECT_EQ(found.priors.translation_sigma, options.calibration.translation_sigma);
 }
 
+// A vehicle on rails whose nose swings by two degrees: what the estimator finds about the line is
+// mostly its own error.
+TEST(RadarCalibration, AStraightLineDoesNotDetermineTheTurnAboutIt) {
+  std::vector<sim::Trajectory::Control> path(5, sim::Trajectory::Control::Zero());
+  for (int i = 0; i < 250; ++i) {
+    const double step = 0.2 * (1.0 - std::cos(0.126 * i));
+    path.emplace_back(path.back() + step * sim::Trajectory::Control::UnitX());
+    path.back()[3] = 0.03 * std::sin(0.18 * i);
+  }
+  path.resize(path.size() + 4, path.back());
+  const sim::Trajectory line(path, {.stand_before = 4.0, .stand_after = 2.0, .level = true});
+  double worst = 0.0;
+  for (const std::uint64_t seed : {2U, 4U}) {
+    const sim::Flight flight =
+        sim::simulate_flight(line, {.seed = seed, .errors = {.extrinsic_angle = 5.0 * kDegree}});
+    Options options = configured(flight);
+    options.calibration.rotation_sigma = 10.0 * kDegree;
+    const RadarCalibration found = calibrate_radar({test::recording_of(flight)}, options);
+    const std::array<double, kCalibrationCount> truth = truth_of(flight);
+    for (const Calibration axis : {Calibration::kRotationX, Calibration::kRotationZ}) {
+      const ParameterCalibration& p = found.of(axis);  // the line is half way between them
+      EXPECT_NE(p.verdict, Determination::kDetermined) << "seed " << seed;
+      worst = std::max(worst, std::abs(p.value - truth[static_cast<std::size_t>(axis)]) / p.sigma);
+    }
+    EXPECT_EQ(found.of(Calibration::kRotationY).verdict, Determination::kDetermined) << seed;
+  }
+  test::expect_below("turn about the line, worst error in sigmas", worst, 3.0);
+}
+
 TEST(RadarCalibration, NeedsARecordingThatStarts) {
   EXPECT_THROW(calibrate_radar({}, Options{}), std::runtime_error);
   const sim::Flight flight = fly_wrong(5, 20.0);
