@@ -120,20 +120,27 @@ std::string change_of(const Matrix3d& configured, const Axes& axes, DopplerSign 
   if (!axes.about.isZero()) {
     return "measure the mounting, or fly with changes of speed in other directions, too";
   }
-  const auto turned = [&](const Matrix3d& R) {
+  std::string error = axes.sigma > 0.0 ? fmt::format(" +- {:.1f} deg", axes.sigma / kDegree) : "";
+  const bool vague = axes.sigma > options.calibration.rotation_sigma && advice.radar == 0;
+  if (vague) {
+    error +=
+        fmt::format(", with calibration: {{rotation_sigma: {:.1f} deg}}", axes.sigma / kDegree);
+  }
+  const auto turned = [&](double hand) {
+    const Matrix3d R = hand * axes.R;
     const bool mounted = (advice.info != nullptr && advice.info->T_BS.has_value()) ||
                          (configured - Matrix3d::Identity()).norm() > 1e-6;
     const auto of_points = mounted ? advice.axes(configured.transpose() * R) : std::nullopt;
     const Vector3d& p = options.radar.T_BS.translation;
-    if (!of_points) return mounting_line(R, p, advice);
+    if (!of_points) return mounting_line(hand * axes.fitted.value_or(axes.R), p, advice) + error;
     return (advice.info->is_from_tree ? mounting_line(configured, p, advice) + " with " : "") +
            *of_points;
   };
-  if (!axes.doppler_flipped) return turned(axes.R);
+  if (!axes.doppler_flipped) return turned(1.0);
   if (axes.turn < 1e-6) return advice.negate_doppler();
   const Matrix3d M = configured.transpose() * axes.R;
   const std::optional<std::string> mirrored = mirror_text(M, "the points");
-  if (!mirrored || seems_opposite(sign)) return advice.negate_doppler() + " and " + turned(-axes.R);
+  if (!mirrored || seems_opposite(sign)) return advice.negate_doppler() + " and " + turned(-1.0);
   if (const auto field = advice.mirror(M)) return *field;
   const std::string where = advice.bag() ? "--axes or --field x=... y=... z=..."
                                          : "the columns x, y, z of " + advice.csv();

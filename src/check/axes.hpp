@@ -27,6 +27,9 @@ struct Axes {
   double turn = 0.0;                  ///< angle to the configured mounting [rad]
   /// Direction in radar axes; the motion does not show the turn about it. Zero: it shows all.
   Vector3d about = Vector3d::Zero();
+  /// R turned a little by the motion, if that is significantly better, as the mounting to propose.
+  std::optional<Matrix3d> fitted{};
+  double sigma = 0.0;  ///< error of the proposed mounting about its worst axis [rad]
 };
 
 /// The configured mounting first, then the same with the Doppler flipped, then by increasing angle.

@@ -121,6 +121,18 @@ void say_nothing_explains(const Judge& judge, double best, Finding* out) {
       "of the points, and whether most of them move";
 }
 
+/// A mounting by right angles stays as it is if the motion shows no other significantly.
+Axes with_error(const Judge& judge, Axes axes) {
+  const FittedRotation fit = fitted_rotation(judge.all, axes.R);
+  axes.sigma = fit.sigma;
+  if (judge.doubt(axes.R, fit.R) > kSignificant) {
+    axes.fitted = fit.R;
+  } else {
+    axes.sigma = std::hypot(fit.sigma, angle_between(axes.R, fit.R));
+  }
+  return axes;
+}
+
 }  // namespace
 
 Axes choose_axes(const Judge& judge, std::vector<Axes>* alike) {
@@ -238,7 +250,8 @@ Finding check_axes(const Judge& judge, const Axes& found, const std::vector<Axes
   for (std::size_t i = 1; i < std::min<std::size_t>(alike.size(), 4); ++i) {
     out.text += ", or as well if " + describe(judge.configured, alike[i], sign);
   }
-  out.change = change_of(judge.configured, found, sign, judge.options, judge.advice);
+  out.change =
+      change_of(judge.configured, with_error(judge, found), sign, judge.options, judge.advice);
   return out;
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 
 #include "check/axes.hpp"
@@ -26,14 +27,18 @@ struct Trial {
   double better_than(double other) const { return significance(other, explained, windows); }
 };
 
-Trial with_rates(const Judge& judge, const Matrix3d& factor) {
+Agreement windows_with(const Judge& judge, const Matrix3d& factor) {
   const RadarOptions& radar = judge.options.radar;
   const ImuPath path(judge.data.samples, judge.data.gyro_unit * factor, judge.data.accel_unit);
-  const Agreement all = agreements(judge.data.speeds, path, judge.length, radar.T_BS.translation,
-                                   {-radar.time_offset})
-                            .front();
+  return agreements(judge.data.speeds, path, judge.length, radar.T_BS.translation,
+                    {-radar.time_offset})
+      .front();
+}
+
+Trial with_rates(const Judge& judge, const Matrix3d& factor) {
+  const Agreement all = windows_with(judge, factor);
   Trial best{factor, {}, 0.0, all.windows};
-  for (const Axes& axes : candidates(radar.T_BS.rotation)) {
+  for (const Axes& axes : candidates(judge.options.radar.T_BS.rotation)) {
     const double explained = all.explained(axes.R);
     if (explained > best.explained) best = {factor, axes, explained, all.windows};
   }
@@ -87,6 +92,18 @@ std::optional<Finding> check_unit(const Judge& judge, double as_read) {
                  judge.advice.gyro_in(unit->name, unit->factor)};
 }
 
+/// What to do with rates of another range, or with the Doppler if its scale seems wrong, too.
+std::string multiplied(const Judge& judge, double factor) {
+  std::string out =
+      fmt::format("multiply the rates of the gyro by {:.4g}: look at its range", factor);
+  const DopplerScale scale(judge.all, judge.configured);
+  if (scale.may_be_right(judge.data.scale_error) || !(scale.low > 0.0)) return out;
+  return out + fmt::format(
+                   "; or the unit of the Doppler: with the rates as they are changes of "
+                   "velocity are {:.2f} to {:.2f} times those of the IMU",
+                   scale.low, scale.high);
+}
+
 /// Whether radar and IMU agree only with smaller rates, which the IMU alone did not show.
 std::optional<Finding> check_too_large(const Judge& judge, double as_read) {
   constexpr double kSlow = 0.3;  // deg/s of a flying or driving vehicle are more [rad/s]
@@ -113,7 +130,7 @@ std::optional<Finding> check_too_large(const Judge& judge, double as_read) {
     return out;
   }
   out.text += fmt::format("with {:.4g} times the rates {:.0f} %", factor, 100.0 * best.explained);
-  out.change = fmt::format("multiply the rates of the gyro by {:.4g}: look at its range", factor);
+  out.change = multiplied(judge, factor);
   return out;
 }
 
@@ -134,7 +151,7 @@ std::optional<Finding> check_too_small(const Judge& judge, double as_read) {
       fmt::format("the radar explains {:.0f} % of the movement the IMU measures, with {:.0f} times "
                   "the rates {:.0f} %",
                   100.0 * as_read, factor, 100.0 * best.explained),
-      fmt::format("multiply the rates of the gyro by {:.0f}: look at its range", factor)};
+      multiplied(judge, factor)};
 }
 
 /// All axes exchanged or of the other sign, but these two: as they are, and all of the other sign.
@@ -219,6 +236,28 @@ std::optional<Finding> check_axes_of_rates(const Judge& judge, double as_read) {
 }
 
 }  // namespace
+
+std::optional<double> other_range(const Judge& judge, const Matrix3d& R) {
+  constexpr double kAcross =
+      0.3;  // of the rate about the vertical: more shows its range by gravity
+  double all_axes = 0.0;
+  double vertical = 0.0;
+  for (const ImuSample& s : judge.data.samples) {
+    all_axes += s.gyro_B.squaredNorm();
+    vertical += std::pow(s.gyro_B.dot(judge.data.up.normalized()), 2);
+  }
+  if (all_axes - vertical > kAcross * kAcross * vertical) return std::nullopt;
+  double most = kExplained;
+  std::optional<double> best;
+  for (const double factor : {0.5, 2.0, 0.25, 4.0}) {
+    const Agreement all = windows_with(judge, factor * Matrix3d::Identity());
+    const double explained = all.explained(R);
+    if (explained <= most || !DopplerScale(all, R).may_be_right(judge.data.scale_error)) continue;
+    most = explained;
+    best = factor;
+  }
+  return best;
+}
 
 std::optional<Finding> check_gyro_by_radar(const Judge& judge, double as_read) {
   constexpr double kWell = 0.9;  // explained: nothing can do much better

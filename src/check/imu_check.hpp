@@ -124,4 +124,7 @@ Finding check_stamps(const Usable& samples, const io::ImuInfo& info, Source sour
 /// @param scans of the first radar
 Finding check_start(const CheckedImu& imu, const Scans& scans, const Options& options);
 
+/// Empty if a barometer measures pressures of the air, or nothing.
+std::optional<Finding> check_pressures(const std::vector<io::BaroSample>& baro);
+
 }  // namespace rio::check

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "check/motion.hpp"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include "rio/core/small_cholesky.hpp"
@@ -212,6 +214,32 @@ double movement_of(const std::vector<ImuSample>& samples, double gyro_unit, doub
   }
   const ImuPath path(samples, gyro_unit, accel_unit);
   return agreements(times, path, kLength, Vector3d::Zero(), {0.0}).front().movement_of_imu();
+}
+
+FittedRotation fitted_rotation(const Agreement& all, const Matrix3d& R) {
+  constexpr int kSteps = 20;
+  constexpr double kSettled = 1e-6;  // [rad]
+  FittedRotation out{R, 0.0};
+  double scale = all.b.dot(R.reshaped()) / all.square(R);  // a
+  Eigen::Matrix4d H;                                       // by phi and ln a
+  for (int i = 0; i < kSteps; ++i) {
+    Eigen::Matrix<double, 9, 4> by;
+    for (int k = 0; k < 3; ++k) by.col(k) = (scale * out.R * skew(Vector3d::Unit(k))).reshaped();
+    by.col(3) = scale * out.R.reshaped();
+    H = by.transpose() * all.A * by;
+    const Eigen::Vector4d step = H.ldlt().solve(by.transpose() * (all.b - all.A * by.col(3)));
+    const Matrix3d next = out.R * quaternion_exp(Vector3d(step.head<3>())).toRotationMatrix();
+    if (!(all.explained(next) >= all.explained(out.R))) break;
+    out.R = next;
+    scale = all.b.dot(next.reshaped()) / all.square(next);
+    if (step.norm() < kSettled) break;
+  }
+  const double unexplained = all.c * (1.0 - all.explained(out.R));
+  const Matrix3d covariance = unexplained / (3.0 * static_cast<double>(all.windows)) *
+                              H.ldlt().solve(Eigen::Matrix4d::Identity()).topLeftCorner<3, 3>();
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(covariance, Eigen::EigenvaluesOnly);
+  out.sigma = std::sqrt(axes.eigenvalues()[2]);
+  return out;
 }
 
 double significance(double worse, double better, std::size_t windows) {

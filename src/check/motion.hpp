@@ -55,6 +55,10 @@ std::vector<RadarSpeed> radar_speeds(const Scans& scans, Options options);
 Scans without_points_of(const std::vector<RadarSpeed>& speeds, const Scans& scans,
                         double max_doppler);
 
+/// The scans if the elevation of their points was counted from the zenith, of a radar that looks
+/// along x.
+Scans from_zenith(const Scans& scans);
+
 /// (E3) of the windows with one shift of the stamps; the sum over them.
 struct Agreement {
   Eigen::Matrix<double, 9, 9> A = Eigen::Matrix<double, 9, 9>::Zero();
@@ -75,6 +79,29 @@ struct Agreement {
   double movement() const;
   /// The same of the velocity that the IMU measures [m/s].
   double movement_of_imu() const;
+};
+
+/// A rotation, and how well the motion shows it.
+struct FittedRotation {
+  Matrix3d R = Matrix3d::Identity();
+  double sigma = 0.0;  ///< about the axis that is shown least [rad]
+};
+
+/// The minimum of (E3) near R, R <- R Exp(phi), by Gauss and Newton's method. Its covariance is
+/// J / (3 n) times the inverse of the normal equations: one measurement for each axis of n windows,
+/// as in (E6).
+FittedRotation fitted_rotation(const Agreement& all, const Matrix3d& R);
+
+/// (E5)
+struct DopplerScale {
+  double low = 0.0;
+  double high = 0.0;
+
+  DopplerScale() = default;
+  DopplerScale(const Agreement& all, const Matrix3d& R)
+      : low(all.b.dot(R.reshaped()) / all.c), high(all.square(R) / all.b.dot(R.reshaped())) {}
+  /// @param error factor by which a right one may be off
+  bool may_be_right(double error) const { return low < error && high > 1.0 / error; }
 };
 
 /// Change of the velocity of the IMU in two seconds that no tilt explains, whatever the radar says:

@@ -169,14 +169,12 @@ Options as_seen(const Options& options, const Agreement& windows) {
 
 /// (E5); R as found.
 Finding check_scale(const Judge& judge, const Matrix3d& R) {
-  const Eigen::Map<const Eigen::Matrix<double, 9, 1>> r(R.data());
-  const double low = judge.all.b.dot(r) / judge.all.c;
-  const double high = r.dot(judge.all.A * r) / judge.all.b.dot(r);
+  const DopplerScale scale(judge.all, R);
+  const auto [low, high] = scale;
   Finding out{
       Verdict::kOk, "Doppler scale",
       fmt::format("changes of velocity are {:.2f} to {:.2f} times those of the IMU", low, high)};
-  const double right = judge.data.scale_error;
-  if (low < right && high > 1.0 / right) return out;
+  if (scale.may_be_right(judge.data.scale_error)) return out;
   out.verdict = Verdict::kWrong;
   const double likely = low * std::cbrt(high / low);  // most of the noise is the radar's
   const auto off = [likely](const DopplerUnit& u) { return std::abs(std::log(u.scale / likely)); };
@@ -188,6 +186,13 @@ Finding check_scale(const Judge& judge, const Matrix3d& R) {
     out.text += fmt::format(": the Doppler is {}", unit->name);
   }
   out.change = judge.advice.scale("doppler", factor);
+  if (const auto range = other_range(judge, R)) {
+    out.text += fmt::format("; with {:.4g} times the rates of the gyro its scale is right", *range);
+    out.change += fmt::format(
+        "; or multiply the rates of the gyro by {:.4g}, which fits as well: look at its range",
+        *range);
+    return out;
+  }
   constexpr double kLittle = 0.4;  // less than any unit
   if (likely > kLittle) return out;
   const std::string change = out.change;

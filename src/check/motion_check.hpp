@@ -92,4 +92,9 @@ Finding compensated(const Judge& judge, const std::string& text);
 /// @param as_read explained with the rates as they are
 std::optional<Finding> check_gyro_by_radar(const Judge& judge, double as_read);
 
+/// The factor of the rates with which a Doppler that seems to have another scale has the right one
+/// and the radar with the axes R explains the movement, too. Of plane turns alone: their
+/// specific force is v w, whichever of the two is wrong.
+std::optional<double> other_range(const Judge& judge, const Matrix3d& R);
+
 }  // namespace rio::check

@@ -101,6 +101,16 @@ Scans without_points_of(const std::vector<RadarSpeed>& speeds, const Scans& scan
   });
 }
 
+Scans from_zenith(const Scans& scans) {
+  return changed(scans, [](std::size_t, RadarScan* scan) {
+    for (RadarDetection& d : scan->detections) {
+      const Vector3d p = d.point_S;
+      const double across = std::copysign(p.head<2>().norm(), p.x());
+      if (across != 0.0) d.point_S << p.z() / across * p.head<2>(), across;
+    }
+  });
+}
+
 double noise(const std::vector<RadarSpeed>& speeds) {
   const double near = neighbourhood(speeds);
   double sum = 0.0;

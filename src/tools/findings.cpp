@@ -59,16 +59,18 @@ nlohmann::ordered_json findings_json(const check::Findings& findings) {
 
 std::string proposed_options(const check::Findings& findings) {
   std::string lines;
-  for (const std::string_view head : {"radar: {", "start: {"}) {
+  for (const std::string_view head : {"radar: {", "start: {", "calibration: {"}) {
     std::string all;
     for (const Finding& f : not_ok(findings)) {
-      if (f.change.rfind(head, 0) != 0) continue;
+      const std::size_t at = f.change.find(head);
+      if (at > 0 && (at == std::string::npos || !f.change.starts_with("radar: {T_BS"))) continue;
       int depth = 1;
-      std::size_t end = head.size();
+      const std::size_t begin = at + head.size();
+      std::size_t end = begin;
       for (; end < f.change.size() && depth > 0; ++end) {
         depth += f.change[end] == '{' ? 1 : f.change[end] == '}' ? -1 : 0;
       }
-      all += (all.empty() ? "" : ", ") + f.change.substr(head.size(), end - 1 - head.size());
+      all += (all.empty() ? "" : ", ") + f.change.substr(begin, end - 1 - begin);
     }
     if (!all.empty()) lines += (lines.empty() ? "" : "\n") + std::string(head) + all + "}";
   }

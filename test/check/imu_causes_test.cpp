@@ -115,6 +115,30 @@ TEST(ImuCauses, AnotherUnitOrRangeOfTheGyroIsNamed) {
   });
 }
 
+TEST(ImuCauses, HeightsAndOtherUnitsAreNoPressures) {
+  io::Dataset dataset = flight();
+  for (const auto& [pressure, change] :
+       {std::pair(120.0, "heights in m"), std::pair(1003.0, "by 100 if they are in hPa"),
+        std::pair(98.0, "by 1000 if they are in kPa")}) {
+    dataset.baro.assign(10, {dataset.imu.front().time, pressure});
+    expect(said(dataset, "barometer"), Verdict::kWrong, "no air pressure in Pa", change);
+  }
+  for (io::BaroSample& sample : dataset.baro) sample.pressure = 98e3;
+  expect_ok(dataset);
+}
+
+// Of plane turns the specific force is v w: either may be wrong.
+TEST(ImuCauses, RangeOfTheGyroOfADriveMayBeTheScaleOfTheDoppler) {
+  sim::Scenario scenario;
+  scenario.path.ground = true;
+  scenario.path.length = 60.0;
+  io::Dataset dataset = flown(scenario);
+  expect_ok(dataset);
+  each_sample(&dataset, [](ImuSample& s) { s.gyro_B *= 2.0; });
+  expect(said(dataset, "Doppler scale"), Verdict::kWrong, "0.5 times the rates of the gyro",
+         "multiply the rates of the gyro by 0.5");
+}
+
 TEST(ImuCauses, SamplesInBatchesHaveNoOtherUnitOfStamps) {
   for (const std::int64_t apart : {60'000, 0}) {  // in a batch of ten [ns]
     const auto batches = [apart](io::Dataset* d) {

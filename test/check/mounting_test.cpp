@@ -57,6 +57,28 @@ TEST(CheckMounting, FindsOneWhoseArmNobodyMeasured) {
                4.5);
 }
 
+// 17 deg from a rotation by right angles of the configured one, which stays where the data do not
+// tell it from the true one.
+TEST(CheckMounting, SaysHowWellTheMotionShowsIt) {
+  for (const char* name : {"indoor-2", "aggressive", "people"}) {
+    io::Dataset dataset = flown(name, 60.0);
+    Quaternion& configured = dataset.radar_info.T_BS->rotation;
+    const Quaternion truth = configured;
+    const double angle = 17.0 / 180.0 * kHalfTurn;
+    configured = truth * quaternion_exp(angle * Vector3d(0.6, 0.0, 0.8)) *
+                 quaternion_exp(Vector3d(0.0, 0.5 * kHalfTurn, 0.0));
+    const std::string change = said(dataset, "axes and Doppler sign").change;
+    const double off =
+        quaternion_log(truth.conjugate() * mounting_in(change)).norm() * 180.0 / kHalfTurn;
+    const std::size_t at = change.find("+- ");
+    ASSERT_NE(at, std::string::npos) << change;
+    const double sigma = std::stod(change.substr(at + 3));
+    expect_below("near a right angle, off by [sigmas]", off / sigma, 3.0);
+    if (std::string(name) == "indoor-2") expect_below("fitted, off by [deg]", off, 8.0);
+    EXPECT_EQ(contains(change, "calibration: {rotation_sigma: "), sigma > 2.9) << change;
+  }
+}
+
 TEST(CheckMounting, FindsTheAxesOfALateRadar) {
   io::Dataset dataset = flight();
   turn_mounting(&dataset, {0.0, 0.0, kHalfTurn}, true);
@@ -64,6 +86,15 @@ TEST(CheckMounting, FindsTheAxesOfALateRadar) {
   for (const char* subject : {"axes and Doppler sign", "delay of the radar"}) {
     EXPECT_EQ(said(dataset, subject).verdict, Verdict::kWrong) << subject;
   }
+}
+
+TEST(CheckMounting, ElevationsFromTheZenithAreNamed) {
+  io::Dataset dataset = flight();
+  each_detection(&dataset, [](RadarDetection& d) {
+    const Vector3d p = d.point_S;
+    d.point_S << p.z() / p.head<2>().norm() * p.head<2>(), p.head<2>().norm();
+  });
+  expect(said(dataset, "elevation"), Verdict::kWrong, "counted from the zenith", "90 deg less");
 }
 
 TEST(CheckMounting, ALineDoesNotShowTheTurnAboutIt) {
