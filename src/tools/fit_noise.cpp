@@ -63,12 +63,17 @@ std::string error_text(const eval::NoiseFit& fit, int k) {
   return fmt::format("+- {:.1f} %", 100.0 * fit.relative_error[k]);
 }
 
+std::string not_converged(const calibrate::NoiseCalibration& c) {
+  return fmt::format("the sigmas still change after {} runs; start nearer by --config", c.runs);
+}
+
 void print_options(const FitNoiseArguments& arguments, const calibrate::NoiseCalibration& c) {
   const Eigen::Vector4d& s = c.fit.noise.sigma;
   fmt::print(
       "# Noise of the radar, fitted to {} by `rio fit-noise`: {} matches, {} Dopplers,\n"
       "# {} runs; one standard error of each. The grids of the radar are not in it.\n",
       arguments.dataset, c.landmarks, c.dopplers, c.runs);
+  if (!c.converged) fmt::print("# Not converged: {}.\n", not_converged(c));
   if (!arguments.values.config.empty()) {
     fmt::print("# To be merged into {}, which was read.\n", arguments.values.config);
   }
@@ -102,12 +107,9 @@ void fit_noise(const FitNoiseArguments& arguments) {
   recording.scans = std::move(dataset.scans);
   if (!arguments.no_truth) recording.truth = calibrate::interpolated_truth(dataset.ground_truth);
   const calibrate::NoiseCalibration c = calibrate::calibrate_noise(recording, options, print_run);
-  if (!c.converged) {
-    fmt::print(stderr, "note: the sigmas still change after {} runs; start nearer by --config\n",
-               c.runs);
-  }
   print_options(arguments, c);
   throw_damage(dataset.damage);
+  if (!c.converged) throw WrongResult(not_converged(c));
 }
 
 }  // namespace rio::tools
