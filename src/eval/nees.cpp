@@ -15,14 +15,6 @@ BodyError body_error(const NavState& estimate, const NavState& truth) {
   return error;
 }
 
-StateError state_error(const NavState& estimate, const NavState& truth) {
-  const BodyError error = body_error(estimate, truth);
-  StateError reordered;
-  reordered << error.segment<3>(body::kPosition), error.segment<3>(body::kAttitude),
-      error.segment<3>(body::kVelocity);
-  return reordered;
-}
-
 double nees(const Eigen::Ref<const Eigen::VectorXd>& error,
             const Eigen::Ref<const Eigen::MatrixXd>& P) {
   RIO_ASSERT(P.rows() == error.size() && P.cols() == error.size());
@@ -31,13 +23,6 @@ double nees(const Eigen::Ref<const Eigen::VectorXd>& error,
   Eigen::VectorXd white = error;
   llt.matrixL().solveInPlace(white);
   return white.squaredNorm();
-}
-
-double anees(const std::vector<double>& nees_of_runs) {
-  if (nees_of_runs.empty()) return std::numeric_limits<double>::quiet_NaN();
-  double sum = 0.0;
-  for (const double value : nees_of_runs) sum += value;
-  return sum / static_cast<double>(nees_of_runs.size());
 }
 
 AneesBounds anees_bounds(int dof, int runs, double probability) {

@@ -15,10 +15,6 @@ bool earlier(const StampedPose& a, const StampedPose& b) {
 
 }  // namespace
 
-double Association::completeness() const {
-  return estimates == 0 ? 0.0 : static_cast<double>(pairs.size()) / static_cast<double>(estimates);
-}
-
 Trajectory sorted_without_duplicates(Trajectory poses) {
   std::stable_sort(poses.begin(), poses.end(), earlier);
   const auto same_time = [](const StampedPose& a, const StampedPose& b) {

@@ -9,7 +9,6 @@
 
 #include <Eigen/Core>
 #include <limits>
-#include <vector>
 
 #include "rio/core/assert.hpp"
 #include "rio/core/chi2.hpp"
@@ -23,17 +22,9 @@ using BodyError = Eigen::Matrix<double, body::kSize, 1>;
 /// velocity, and goes with the top left 9 x 9 of a BodyCovariance.
 BodyError body_error(const NavState& estimate, const NavState& truth);
 
-using StateError = Eigen::Matrix<double, 9, 1>;
-
-/// Error of a state (E1) as [dp, dphi, dv] in W, B, W axes: the order of a states file.
-StateError state_error(const NavState& estimate, const NavState& truth);
-
 /// Normalised estimation error squared (E2); NaN if P is not positive definite.
 double nees(const Eigen::Ref<const Eigen::VectorXd>& error,
             const Eigen::Ref<const Eigen::MatrixXd>& P);
-
-/// Mean of the NEES of several runs at one time; NaN without runs.
-double anees(const std::vector<double>& nees_of_runs);
 
 /// Bounds of the ANEES of consistent runs.
 struct AneesBounds {

@@ -22,10 +22,6 @@ struct PosePair {
 struct Association {
   std::vector<PosePair> pairs;
   std::size_t estimates = 0;  ///< distinct stamps of the estimate
-
-  std::size_t unmatched() const { return estimates - pairs.size(); }
-  /// Share of the estimates that have a true pose; 0 without estimates.
-  double completeness() const;
 };
 
 /// By increasing time; of poses with equal stamps the first is kept.
