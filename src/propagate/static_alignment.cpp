@@ -158,11 +158,11 @@ Alignment StaticAligner::align(Time time, std::size_t n) const {
   return out;
 }
 
-std::optional<Vector3d> standstill_gyro_bias(const std::vector<ImuSample>& samples, Time from,
+std::optional<Vector3d> standstill_gyro_bias(const NextSample& next, Time from,
                                              const Options& options) {
   StaticAligner aligner(options.start, options.imu);
   std::optional<Alignment> result;
-  for (const ImuSample& sample : samples) {
+  for (ImuSample sample; next(&sample);) {
     if (sample.time < from || !(sample.gyro_B + sample.accel_B).allFinite()) continue;
     if (aligner.add(sample, &result) == Status::kMoving) return std::nullopt;
     if (result) return result->state.gyro_bias;

@@ -2,9 +2,7 @@
 // `rio fit-noise`: the noise of the radar from a recording, as an option file.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <optional>
-#include <stdexcept>
+#include <cstddef>
 #include <string>
 #include <utility>
 
@@ -13,38 +11,13 @@
 #include "estimator_options.hpp"
 #include "findings.hpp"
 #include "recording.hpp"
+#include "replay_feed.hpp"
 #include "rio/eval/metrics.hpp"
 #include "rio/io/dataset.hpp"
-#include "rio/io/start.hpp"
-#include "rio/propagate/static_alignment.hpp"
 
 namespace rio::tools {
 
 namespace {
-
-/// The first true state inside the span of the IMU, biases unknown.
-calibrate::Start start_from_truth(const io::Dataset& dataset, const Options& options) {
-  const auto row = std::find_if(
-      dataset.ground_truth.begin(), dataset.ground_truth.end(), [&](const NavState& state) {
-        return state.time >= dataset.imu.front().time && state.time <= dataset.imu.back().time;
-      });
-  if (row == dataset.ground_truth.end()) {
-    throw std::runtime_error(
-        "--init groundtruth: the dataset has no ground truth within the time span of its IMU");
-  }
-  calibrate::Start start{*row, io::start_covariance(row->q_WB, options.start)};
-  start.state.gyro_bias =
-      standstill_gyro_bias(dataset.imu, row->time, options).value_or(Vector3d::Zero());
-  start.state.accel_bias.setZero();
-  return start;
-}
-
-std::optional<calibrate::Start> make_start(const FitNoiseArguments& arguments,
-                                           const io::Dataset& dataset, const Options& options) {
-  if (arguments.init == "static") return std::nullopt;
-  if (arguments.init == "groundtruth") return start_from_truth(dataset, options);
-  return io::load_start(arguments.init, options.start, dataset.imu.front().time);
-}
 
 double degrees(double angle) {
   return eval::kDegreesPerRadian * angle;
@@ -102,7 +75,14 @@ void fit_noise(const FitNoiseArguments& arguments) {
   print_notes(dataset.notes);
   print_wrong(findings_of(arguments.dataset, dataset, options));
   calibrate::Recording recording;
-  recording.start = make_start(arguments, dataset, options);
+  recording.start = make_start(
+      arguments.init, dataset.ground_truth, dataset.imu.front().time, dataset.imu.back().time,
+      [&dataset, i = std::size_t{0}](ImuSample* sample) mutable {
+        if (i == dataset.imu.size()) return false;
+        *sample = dataset.imu[i++];
+        return true;
+      },
+      options);
   recording.imu = std::move(dataset.imu);
   recording.scans = std::move(dataset.scans);
   if (!arguments.no_truth) recording.truth = calibrate::interpolated_truth(dataset.ground_truth);

@@ -88,7 +88,9 @@ class Replay {
         outline_(recording.samples->outline()),
         on_scan_(on_scan),
         view_(view),
-        start_(make_start(arguments, recording, options)),
+        start_(make_start(
+            arguments.init, recording.sensors.ground_truth, outline_.imu_begin, outline_.imu_end,
+            [&](ImuSample* sample) { return recording.samples->next(sample); }, options)),
         feed_(recording.samples.get(), std::move(steps)) {
     Options used = options;
     used.start.static_alignment = !start_;
@@ -283,6 +285,7 @@ Replayed run_replay(const ReplayArguments& arguments, ViewOutputs* view, const O
   if (!arguments.no_check)
     steps = find_clock_steps(recording.samples.get(), recording.sensors, checked, &notes);
   if (!arguments.silent) print_notes(notes);  // at once
+  recording.samples->rewind();
   ReplaySummary summary =
       Replay(arguments, recording, options, std::move(steps), view, on_scan).run();
   if (!arguments.no_check && arguments.findings) {

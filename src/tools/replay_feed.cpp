@@ -14,27 +14,12 @@ namespace rio::tools {
 
 namespace {
 
-/// As standstill_gyro_bias() of static_alignment.hpp, without reading farther than necessary.
-std::optional<Vector3d> gyro_bias_at_rest(io::RecordingStream* samples, Time from,
-                                          const Options& options) {
-  StaticAligner aligner(options.start, options.imu);
-  std::optional<Alignment> result;
-  samples->rewind();
-  for (ImuSample sample; samples->next(&sample);) {
-    if (sample.time < from || !(sample.gyro_B + sample.accel_B).allFinite()) continue;
-    if (aligner.add(sample, &result) == Status::kMoving) return std::nullopt;
-    if (result) return result->state.gyro_bias;
-  }
-  return std::nullopt;
-}
-
 /// The first pose and velocity of the ground truth inside the span of the IMU. Biases start at
 /// zero, except that a standstill at that time measures the gyro bias.
-Start start_from_truth(const OpenRecording& recording, const Options& options) {
-  const io::RecordingOutline& outline = recording.samples->outline();
-  const std::vector<NavState>& truth = recording.sensors.ground_truth;
+Start start_from_truth(const std::vector<NavState>& truth, Time begin, Time end,
+                       const NextSample& next, const Options& options) {
   const auto row = std::find_if(truth.begin(), truth.end(), [&](const NavState& state) {
-    return state.time >= outline.imu_begin && state.time <= outline.imu_end;
+    return state.time >= begin && state.time <= end;
   });
   if (row == truth.end()) {
     throw std::runtime_error(
@@ -44,7 +29,7 @@ Start start_from_truth(const OpenRecording& recording, const Options& options) {
   Start start{{*row, io::start_covariance(row->q_WB, options.start)}, "groundtruth"};
   start.state.gyro_bias.setZero();
   start.state.accel_bias.setZero();
-  const auto bias = gyro_bias_at_rest(recording.samples.get(), row->time, options);
+  const auto bias = standstill_gyro_bias(next, row->time, options);
   if (bias) {
     constexpr double kGyroBiasFloor = 1e-4;  // instability over minutes [rad/s]
     const double sigma =
@@ -75,13 +60,13 @@ std::vector<Time> due_times(std::vector<Time> stamps) {
 
 }  // namespace
 
-std::optional<Start> make_start(const ReplayArguments& arguments, const OpenRecording& recording,
+std::optional<Start> make_start(const std::string& init, const std::vector<NavState>& truth,
+                                Time begin, Time end, const NextSample& next,
                                 const Options& options) {
-  std::string init = arguments.init;
-  if (init.empty()) init = recording.sensors.ground_truth.empty() ? "static" : "groundtruth";
-  if (init == "static") return std::nullopt;
-  if (init == "groundtruth") return start_from_truth(recording, options);
-  const Time begin = recording.samples->outline().imu_begin;
+  if (init == "static" || (init.empty() && truth.empty())) return std::nullopt;
+  if (init.empty() || init == "groundtruth") {
+    return start_from_truth(truth, begin, end, next, options);
+  }
   return Start{io::load_start(init, options.start, begin), "file"};
 }
 

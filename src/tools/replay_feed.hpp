@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where a replay begins, and the samples and scans of the recording in its order, streamed.
+// Where an estimate begins, and the samples and scans of the recording in its order, streamed.
 #pragma once
 
 #include <cstddef>
@@ -24,8 +24,14 @@ struct Start : Alignment {
   std::string source;
 };
 
-/// Where a replay begins: at the ground truth, at a state from a file; empty: at rest.
-std::optional<Start> make_start(const ReplayArguments& arguments, const OpenRecording& recording,
+/// Where an estimate begins: at the ground truth, at a state from a file; empty: at rest.
+/// @param init groundtruth, static or a file; empty: groundtruth if there is one, else static
+/// @param begin stamp of the first sample of the IMU
+/// @param end same of the last one
+/// @param next called for its samples from the first one on, as far as necessary
+/// @throws std::runtime_error if there is no such start
+std::optional<Start> make_start(const std::string& init, const std::vector<NavState>& truth,
+                                Time begin, Time end, const NextSample& next,
                                 const Options& options);
 
 class ReplayFeed {

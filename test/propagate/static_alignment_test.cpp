@@ -187,14 +187,22 @@ TEST(StaticAlignment, StandstillGyroBiasOfARecording) {
   samples.reserve(700);
   for (int i = 0; i < 700; ++i) samples.push_back(imu.sample(i, random));
   const Options options;
-  EXPECT_FALSE(standstill_gyro_bias(samples, samples[0].time, options));    // moves at first
-  EXPECT_FALSE(standstill_gyro_bias(samples, samples[500].time, options));  // too short
-  const auto bias = standstill_gyro_bias(samples, samples[200].time, options);
+  const auto bias_from = [&](std::size_t first) {
+    const auto next = [&, i = std::size_t{0}](ImuSample* sample) mutable {
+      if (i == samples.size()) return false;
+      *sample = samples[i++];
+      return true;
+    };
+    return standstill_gyro_bias(next, samples[first].time, options);
+  };
+  EXPECT_FALSE(bias_from(0));    // moves at first
+  EXPECT_FALSE(bias_from(500));  // too short
+  const auto bias = bias_from(200);
   ASSERT_TRUE(bias);
   // 4e-4 / sqrt(1.5) = 3.3e-4 rad/s an axis
   EXPECT_LT((*bias - imu.gyro_bias).cwiseAbs().maxCoeff(), 4.0 * 3.3e-4);
   samples.resize(460);
-  EXPECT_FALSE(standstill_gyro_bias(samples, samples[200].time, options));
+  EXPECT_FALSE(bias_from(200));
 }
 
 }  // namespace

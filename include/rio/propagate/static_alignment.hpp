@@ -18,8 +18,8 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
-#include <vector>
 
 #include "rio/options.hpp"
 #include "rio/report.hpp"
@@ -105,9 +105,12 @@ class StaticAligner {
   std::array<Part, kParts> parts_{};
 };
 
-/// The gyro bias if the first `StartOptions::duration` of `samples` from `from` on is a standstill.
-/// Samples that are not finite are skipped.
-std::optional<Vector3d> standstill_gyro_bias(const std::vector<ImuSample>& samples, Time from,
+/// Replaces the sample by the next one of a recording; false at its end.
+using NextSample = std::function<bool(ImuSample* sample)>;
+
+/// The gyro bias [rad/s] if the first `StartOptions::duration` of the samples from `from` on is a
+/// standstill. Samples that are not finite are skipped; no more are asked for than necessary.
+std::optional<Vector3d> standstill_gyro_bias(const NextSample& next, Time from,
                                              const Options& options);
 
 }  // namespace rio
