@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "mcap_writer.hpp"
-#include "rio/bag/messages.hpp"
 #include "rio/sim/ti_packet.hpp"
 #include "ros2_types.hpp"
 
@@ -14,8 +13,8 @@ namespace rio::bag {
 
 namespace {
 
-constexpr std::uint8_t kInt16 = 3, kFloat32 = 7;  // sensor_msgs/PointField
-constexpr std::uint32_t kPoint = 20;              // [bytes]
+constexpr CloudField kFields[] = {
+    {"x"}, {"y"}, {"z"}, {"doppler"}, {"snr", CloudField::kInt16}, {"noise", CloudField::kInt16}};
 
 void put_covariance(CdrWriter* message, double first) {
   for (int i = 0; i < 9; ++i) message->put(i == 0 ? first : 0.0);
@@ -39,21 +38,6 @@ std::string points_of(const RadarScan& scan) {
     points.put(p.x).put(p.y).put(p.z).put(p.velocity).put(p.snr).put(p.noise);
   }
   return points.bytes();
-}
-
-std::string cloud_message(const RadarScan& scan, const std::string& frame) {
-  static const PointField kFields[] = {{"x", 0, kFloat32},  {"y", 4, kFloat32},
-                                       {"z", 8, kFloat32},  {"doppler", 12, kFloat32},
-                                       {"snr", 16, kInt16}, {"noise", 18, kInt16}};
-  const auto count = static_cast<std::uint32_t>(scan.detections.size());
-  CdrWriter message = stamped(scan.time, frame);
-  message.put(std::uint32_t{1}).put(count);  // height, width
-  message.put(static_cast<std::uint32_t>(std::size(kFields)));
-  for (const PointField& field : kFields) {
-    message.text(field.name).put(field.offset).put(field.datatype).put(std::uint32_t{1});
-  }
-  message.put(std::uint8_t{0}).put(kPoint).put(count * kPoint);  // little-endian
-  return message.block(points_of(scan)).put(std::uint8_t{1}).bytes();
 }
 
 McapWriter new_file(const std::filesystem::path& path) {
@@ -97,7 +81,9 @@ void RecordingWriter::add(const ImuSample& sample) {
 
 void RecordingWriter::add(const RadarScan& scan, std::size_t radar) {
   if (scan.time < Time{0}) return;
-  impl_->add(impl_->radars.at(radar), scan.time, cloud_message(scan, radar_name(radar) + "_chip"));
+  const std::string frame = radar_name(radar) + "_chip";
+  impl_->add(impl_->radars.at(radar), scan.time,
+             cloud_message(scan.time, frame, kFields, points_of(scan)).bytes());
 }
 
 void RecordingWriter::flush() {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "formats.hpp"
+#include "rio/bag/messages.hpp"
 
 namespace rio::bag {
 
@@ -124,6 +125,24 @@ void put_vector(CdrWriter* message, const Vector3d& v) {
 
 void put_quaternion(CdrWriter* message, const Quaternion& q) {
   for (const double value : q.coeffs()) message->put(value);
+}
+
+CdrWriter cloud_message(Time stamp, const std::string& frame, std::span<const CloudField> fields,
+                        const std::string& points) {
+  std::uint32_t size = 0;  // of a point
+  for (const CloudField& field : fields) size += datatype_size(field.type);
+  const auto row = static_cast<std::uint32_t>(points.size());
+  CdrWriter message = stamped(stamp, frame);
+  message.put(std::uint32_t{1}).put(row / size);  // height, width
+  message.put(static_cast<std::uint32_t>(fields.size()));
+  std::uint32_t offset = 0;
+  for (const CloudField& field : fields) {
+    const std::uint8_t type = field.type;
+    message.text(field.name).put(offset).put(type).put(std::uint32_t{1});
+    offset += datatype_size(type);
+  }
+  message.put(std::uint8_t{0}).put(size).put(row);
+  return message.block(points).put(std::uint8_t{1});
 }
 
 }  // namespace rio::bag

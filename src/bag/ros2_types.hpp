@@ -3,6 +3,8 @@
 // encoding.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string>
 
 #include "byte_writer.hpp"
@@ -24,5 +26,16 @@ void put_time(CdrWriter* message, Time stamp);
 void put_vector(CdrWriter* message, const Vector3d& v);
 /// geometry_msgs/Quaternion.
 void put_quaternion(CdrWriter* message, const Quaternion& q);
+
+/// Of a point: its name and its type, by the numbers of sensor_msgs/PointField.
+struct CloudField {
+  const char* name;
+  enum : std::uint8_t { kUint8 = 2, kInt16 = 3, kFloat32 = 7 } type = kFloat32;
+};
+/// sensor_msgs/PointCloud2 of one row; throws as stamped() does.
+/// @param fields without gaps between them
+/// @param points little-endian
+CdrWriter cloud_message(Time stamp, const std::string& frame, std::span<const CloudField> fields,
+                        const std::string& points);
 
 }  // namespace rio::bag

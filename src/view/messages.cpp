@@ -9,9 +9,9 @@
 #include <initializer_list>
 
 #include "bag/ros2_types.hpp"
-#include "rio/core/so3.hpp"
 #include "rio/eval/alignment.hpp"
 #include "rio/eval/pairing.hpp"
+#include "rio/mavlink/axes.hpp"
 #include "view/calibration_names.hpp"
 
 namespace rio::view {
@@ -19,13 +19,13 @@ namespace rio::view {
 namespace {
 
 using bag::CdrWriter;
+using bag::cloud_message;
 using bag::put_quaternion;
 using bag::put_vector;
 using bag::stamped;
 
 constexpr const char* kWorld = "world";
 constexpr const char* kBody = "imu";
-constexpr std::uint8_t kFloat32 = 7, kUint8 = 2;  // sensor_msgs/PointField
 
 std::string radar_frame(std::size_t radar) {
   return fmt::format("radar{}", radar);
@@ -53,22 +53,11 @@ void put_covariance(CdrWriter* message, const Eigen::Matrix<double, 6, 6>& P) {
   for (const double value : P.reshaped<Eigen::RowMajor>()) message->put(value);
 }
 
-/// A cloud of float32 fields and, at the end, perhaps one byte.
-CdrWriter cloud(Time stamp, const std::string& frame, const std::vector<const char*>& floats,
-                const char* byte, std::size_t count, const std::string& data) {
-  CdrWriter message = stamped(stamp, frame);
-  const std::size_t bytes = byte != nullptr ? 1 : 0;
-  message.put(std::uint32_t{1}).put(static_cast<std::uint32_t>(count));  // height, width
-  message.put(static_cast<std::uint32_t>(floats.size() + bytes));
-  std::uint32_t size = 0;  // of a point so far
-  for (const char* name : floats) {
-    message.text(name).put(size).put(kFloat32).put(std::uint32_t{1});
-    size += 4;
-  }
-  if (byte != nullptr) message.text(byte).put(size++).put(kUint8).put(std::uint32_t{1});
-  message.put(std::uint8_t{0}).put(size).put(static_cast<std::uint32_t>(size * count));
-  return message.block(data).put(std::uint8_t{1});
-}
+constexpr bag::CloudField kPointFields[] = {
+    {"x"},        {"y"},     {"z"},   {"doppler"},
+    {"residual"}, {"sigma"}, {"snr"}, {"label", bag::CloudField::kUint8}};
+constexpr bag::CloudField kLandmarkFields[] = {{"x"},  {"y"},  {"z"},  {"xx"}, {"xy"},
+                                               {"xz"}, {"yy"}, {"yz"}, {"zz"}};
 
 void put_floats(bag::ByteWriter* data, std::initializer_list<double> values) {
   for (const double value : values) data->put(static_cast<float>(value));
@@ -142,23 +131,14 @@ void Messages::send_pose(const Odometry& odometry) {
   put_pose(&pose, x.p_WB, x.q_WB);
   send("/pose", "geometry_msgs/msg/PoseStamped", x.time, pose);
 
-  // pose: position and rotation about the axes of the world; twist: in body axes
-  const Matrix3d R = x.q_WB.toRotationMatrix();
-  Eigen::Matrix<double, 6, 15> J = Eigen::Matrix<double, 6, 15>::Zero();
-  J.block<3, 3>(0, body::kPosition).setIdentity();
-  J.block<3, 3>(3, body::kAttitude) = R;
-  Eigen::Matrix<double, 6, 15> K = Eigen::Matrix<double, 6, 15>::Zero();
-  const Vector3d v_B = R.transpose() * x.v_WB;
-  K.block<3, 3>(0, body::kVelocity) = R.transpose();
-  K.block<3, 3>(0, body::kAttitude) = skew(v_B);
-  Eigen::Matrix<double, 6, 6> twist = K * P * K.transpose();
-  twist.bottomRightCorner<3, 3>().diagonal().setConstant(1e9);  // angular velocity: not estimated
+  Eigen::Matrix<double, 6, 6> twist = 1e9 * Eigen::Matrix<double, 6, 6>::Identity();
+  twist.topLeftCorner<3, 3>() = mavlink::twist_covariance(x, P, 0.0).topLeftCorner<3, 3>();
   CdrWriter message = stamped(x.time, kWorld);
   message.text(kBody);
   put_pose(&message, x.p_WB, x.q_WB);
-  put_covariance(&message, J * P * J.transpose());
-  put_vector(&message, v_B);
-  put_vector(&message, Vector3d::Zero());
+  put_covariance(&message, mavlink::pose_covariance(x.q_WB, P));
+  put_vector(&message, x.q_WB.toRotationMatrix().transpose() * x.v_WB);
+  put_vector(&message, Vector3d::Zero());  // angular velocity: not estimated
   put_covariance(&message, twist);
   send("/odometry", "nav_msgs/msg/Odometry", x.time, message);
 }
@@ -194,8 +174,7 @@ void Messages::send_points(const Odometry& odometry) {
     data.put(static_cast<std::uint8_t>(point.label));
   }
   send("/" + frame + "/points", "sensor_msgs/msg/PointCloud2", time,
-       cloud(time, frame, {"x", "y", "z", "doppler", "residual", "sigma", "snr"}, "label",
-             points.size(), data.bytes()));
+       cloud_message(time, frame, kPointFields, data.bytes()));
 }
 
 void Messages::send_landmarks(const Odometry& odometry) {
@@ -208,8 +187,7 @@ void Messages::send_landmarks(const Odometry& odometry) {
     put_floats(&data, {p.x(), p.y(), p.z(), P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2)});
   }
   send("/landmarks", "sensor_msgs/msg/PointCloud2", time,
-       cloud(time, kWorld, {"x", "y", "z", "xx", "xy", "xz", "yy", "yz", "zz"}, nullptr,
-             landmarks.size(), data.bytes()));
+       cloud_message(time, kWorld, kLandmarkFields, data.bytes()));
   if (ellipsoids_sent_ != Time::min() && time - ellipsoids_sent_ < std::chrono::seconds(1)) return;
   ellipsoids_sent_ = time;
   send("/landmarks/ellipsoids", "visualization_msgs/msg/MarkerArray", time,
