@@ -130,16 +130,6 @@ Agreement WithLever::without_lever(double sigma) const {
 
 }  // namespace
 
-Agreement& Agreement::operator+=(const Agreement& other) {
-  A += other.A;
-  b += other.b;
-  c += other.c;
-  moved += other.moved;
-  weight += other.weight;
-  windows += other.windows;
-  return *this;
-}
-
 double Agreement::explained(const Matrix3d& R) const {
   const double along = b.dot(R.reshaped());  // column-wise
   const double moves = square(R);

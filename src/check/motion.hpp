@@ -68,7 +68,6 @@ struct Agreement {
   double weight = 0.0;  ///< sum of w
   std::size_t windows = 0;
 
-  Agreement& operator+=(const Agreement& other);
   /// (E4); R may be improper: mirrored axes, or a flipped Doppler.
   double explained(const Matrix3d& R) const;
   /// r^T A r: how much the radar moves.
