@@ -230,6 +230,7 @@ struct CheckOptions {
 struct AblationOptions {
   bool steady_motion = true;      ///< propagate/steady_motion.hpp
   bool shared_gyro_noise = true;  ///< in the Dopplers of a scan
+  bool direction_noise = true;    ///< frontend/direction_noise.hpp
   bool look_correlation = true;   ///< update/look_correlation.hpp
   bool elevation_walk = true;     ///< (E3) of it
   bool range_curvature = true;    ///< terms of second order in the range of a landmark

@@ -169,6 +169,7 @@ class Pipeline {
         correction_.correct(unusable ? empty_ : received, estimate(), velocity_covariance_);
     if (checks_.check_landmarks(scan.time, report_.imu_gap)) reset_frontends();
     observe(scan, last);  // 2
+    correction_.observe(seen_, estimate());
     seen_.rest = rest_.observe(unusable ? received : scan, last, imu, estimate().nav,
                                backend_.state_estimate().covariance().body());
     if (seen_.rest) mountings_.restart_drifts();

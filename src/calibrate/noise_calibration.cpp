@@ -106,7 +106,8 @@ Options measuring_options(Options options) {
   // by that margin exp(4 / 2) times as likely as the next: right with a probability of 0.88
   options.update.match_trust = std::max(0.88, options.update.match_trust);
   options.update.gate_probability = 0.999;
-  // both would explain a part of the noise that is sought
+  // these would explain a part of the noise that is sought
+  options.ablation.direction_noise = false;
   options.ablation.elevation_walk = false;
   options.calibration.elevation_sigma = 0.0;
   options.frontend.ransac_sigmas = 1.5 * options.frontend.ransac_sigmas;

@@ -4,9 +4,13 @@
 namespace rio {
 
 ScanCorrection::ScanCorrection(const Options& options)
-    : use_own_echoes_(options.frontend.own_echoes), corrected_(options.frontend.max_detections) {
+    : use_own_echoes_(options.frontend.own_echoes),
+      use_direction_noise_(options.update.doppler_directions == DopplerDirections::kCorrected &&
+                           options.ablation.direction_noise),
+      corrected_(options.frontend.max_detections) {
   for (std::size_t r = 0; r < options.radars(); ++r) {
     own_echoes_.emplace_back(doppler_fold(options, r));
+    noise_.emplace_back(options.seen_by(r).radar);
   }
 }
 
@@ -14,6 +18,7 @@ const DetectionList& ScanCorrection::correct(const DetectionList& received, cons
                                              const Matrix3d& velocity_covariance) {
   corrected_ = received;
   for (Detection& d : corrected_.items) d.range_rate /= 1.0 + x.doppler_scale;
+  noise_[received.radar].apply(&corrected_);
   own_.clear();
   if (!use_own_echoes_) return corrected_;
   own_echoes_[received.radar].observe(corrected_, radar_velocity(x), velocity_covariance, &own_,
@@ -22,6 +27,10 @@ const DetectionList& ScanCorrection::correct(const DetectionList& received, cons
     corrected_.items.erase(corrected_.items.begin() + static_cast<std::ptrdiff_t>(own_[i]));
   }
   return corrected_;
+}
+
+void ScanCorrection::observe(const Observations& seen, const Estimate& x) {
+  if (use_direction_noise_) noise_[seen.scan->radar].observe(seen, x.distance_travelled);
 }
 
 void ScanCorrection::restore_indices(UpdateReport* report) const {

@@ -73,6 +73,8 @@ const std::vector<Switch>& switches() {
        [](Options& o) { o.ablation.steady_motion = false; }},
       {"Dopplers of a scan independent of the gyro sample", "rough-imu",
        [](Options& o) { o.ablation.shared_gyro_noise = false; }},
+      {"directions as noisy as told", "hover outdoor",
+       [](Options& o) { o.ablation.direction_noise = false; }},
       {"directions of landmarks new in every look", "hover",
        [](Options& o) { o.ablation.look_correlation = false; }},
       {"heights of landmarks do not walk", "hover rough-ground",

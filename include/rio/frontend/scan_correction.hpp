@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "rio/frontend/direction_noise.hpp"
 #include "rio/frontend/own_echoes.hpp"
 #include "rio/models/detection.hpp"
 #include "rio/options.hpp"
@@ -29,6 +30,9 @@ class ScanCorrection {
   const DetectionList& correct(const DetectionList& received, const Estimate& x,
                                const Matrix3d& velocity_covariance);
 
+  /// Takes the static set of the corrected scan.
+  void observe(const Observations& seen, const Estimate& x);
+
   /// Own echoes in the last scan.
   const OwnEchoList& own_echoes() const { return own_; }
 
@@ -37,7 +41,9 @@ class ScanCorrection {
 
  private:
   bool use_own_echoes_;
+  bool use_direction_noise_;
   std::vector<OwnEchoes> own_echoes_;  ///< by radar
+  std::vector<DirectionNoise> noise_;  ///< same
   OwnEchoList own_;
   DetectionList corrected_;
 };
