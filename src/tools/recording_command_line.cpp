@@ -244,7 +244,7 @@ void add_plot_command(CLI::App& app) {
       command.add("--truth", &to->truth, "true path: same formats; adds the errors");
   add_pose_topic(command, &to->truth_topic)->needs(truth);
   add_pose_topic(command, &to->topic, "--topic");
-  command.add("--label", &to->labels, "name for the legend; one for each estimate", kOneEach);
+  command.add("--label", &to->labels, "names for the legend, one for each estimate");
   add_alignment(command, &to->align)->needs(truth);
   command.add("--out", &to->out, "SVG file to write", kRequired);
 }

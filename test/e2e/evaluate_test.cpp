@@ -66,9 +66,6 @@ TEST_F(Tool, PlotsAPicture) {
   rio("plot " + file("p.tum") + " --truth " + flight_ + " --out " + file("p.svg"));
   expect_parts(dir_->read("p.svg"), {"</svg>"});
   expect_none(dir_->read("p.svg"), {"nan"});
-  rio("plot --label mine " + file("p.tum") + " --out " +
-      file("label.svg"));  // the file is no label
-  expect_parts(dir_->read("label.svg"), {"mine"});
   const std::string latin = file("k\xE4se.tum");  // a name that is not UTF-8
   fs::copy_file(file("p.tum"), latin);
   rio("plot " + latin + " --out " + file("latin.svg"));
