@@ -71,7 +71,7 @@ class SmallCholesky {
 /// R is the covariance of a noise: finite, symmetric up to round-off, positive definite.
 template <int kSize>
 bool is_definite(const Eigen::Matrix<double, kSize, kSize>& R) {
-  constexpr double kRoundOff = 1e-9;  // of a correlation
+  constexpr double kRoundOff = 1e-6;  // of a correlation, in single precision
   for (int i = 0; i < kSize; ++i) {
     for (int j = 0; j < i; ++j) {
       if (!(std::abs(R(i, j) - R(j, i)) <= kRoundOff * std::sqrt(R(i, i) * R(j, j)))) return false;
