@@ -16,12 +16,13 @@ void DirectionNoise::apply(DetectionList* scan) const {
 }
 
 void DirectionNoise::observe(const Observations& seen, double distance) {
-  constexpr double kCells = 4.0;   // of the grid: rounding errors of the points are independent
-  constexpr double kMost = 9.0;    // sigmas squared: beyond them is something else
-  constexpr double kLeast = 0.04;  // of a variance: a fifth of the sigma
-  constexpr double kFree = 0.1;    // least 1 - h: the point determines the velocity itself
+  constexpr double kCells = 4.0;    // of the grid: rounding errors of the points are independent
+  constexpr double kSpread = 1e-2;  // of the directions: nearly in a plane, to half a degree
+  constexpr double kMost = 9.0;     // sigmas squared: beyond them is something else
+  constexpr double kLeast = 0.04;   // of a variance: a fifth of the sigma
+  constexpr double kFree = 0.1;     // least 1 - h: the point determines the velocity itself
   const EgoVelocity& velocity = seen.ego_velocity;
-  if (!velocity.covariance || !(velocity.v_S.norm() > kCells * grid_)) return;
+  if (!(velocity.v_S.norm() > kCells * grid_)) return;
   if (std::abs(distance - distance_) < apart_) return;  // also after a restart
   Matrix3d normal = Matrix3d::Zero();
   Vector3d right = Vector3d::Zero();
@@ -34,6 +35,8 @@ void DirectionNoise::observe(const Observations& seen, double distance) {
   }
   const SmallCholesky<3> root(normal);
   if (!root.positive()) return;
+  const auto pivots = root.L().diagonal();
+  if (pivots.minCoeff() < kSpread * pivots.maxCoeff()) return;  // no velocity
   const Matrix3d covariance = root.inverse();
   const Vector3d v_S = covariance * right;
   for (std::size_t i = 0; i < seen.scan->items.size(); ++i) {

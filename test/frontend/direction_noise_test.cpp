@@ -51,7 +51,6 @@ Eigen::Vector2d factor_after(int scans, const Radar& radar, unsigned seed) {
     noise.apply(&scan);
     seen.scan = &scan;
     seen.ego_velocity.v_S = v_S + random.normal_vector(0.02);
-    seen.ego_velocity.covariance = Matrix3d::Identity();
     noise.observe(seen, k + 1.0);
   }
   const Detection before = make_detection({Vector3d(5.0, 0.0, 0.0), 0.0, 40.0}, told);
@@ -76,6 +75,7 @@ TEST(DirectionNoise, KeepsWhatIsRightOrToldTooSmall) {
   const Radar kinds[] = {
       {.name = "right"},
       {.name = "few points", .points = 5},
+      {.name = "one point", .points = 1},
       {.name = "noisier",
        .azimuth = 2.0 * told.sigma_azimuth,
        .elevation = 2.0 * told.sigma_elevation},
