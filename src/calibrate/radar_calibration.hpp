@@ -17,12 +17,12 @@
 //      (Smyth, Stat. Appl. Genet. Mol. Biol. 3, 2004): one pair that agrees by chance is no proof
 // (E6) sigma^2 = s_w^2 max(1, B^2) + (x_w - x_h)^2 + c^2, c the error common to all halves, which
 //      no spread can show (kCommonError)
+// (E7) contradictory: halves or recordings apart by more than 3 B_o; for the Doppler scale and the
+//      time offset, which are optional and compensate errors without a model, by more than 3
 // (E8) s^2 of the rotation is widened by e^2 (1 / S - 1)+ along the axes n of the radar, with
 //      S = 3/2 mean of |n x v|^2 / |v|^2, v the velocity in radar axes without its noise: a
 //      direction error e is a turn of e / sqrt(S). Of motion in all directions S is 1; about the
 //      line of a straight motion it is 0, and what the estimator finds there is error.
-// (E7) contradictory: halves or recordings apart by more than 3 B_o; for the Doppler scale and the
-//      time offset, which are optional and compensate errors without a model, by more than 3
 #pragma once
 
 #include <array>

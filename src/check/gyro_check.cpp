@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <string>
 
 #include "check/axes.hpp"
@@ -238,15 +237,15 @@ std::optional<Finding> check_axes_of_rates(const Judge& judge, double as_read) {
 }  // namespace
 
 std::optional<double> other_range(const Judge& judge, const Matrix3d& R) {
-  constexpr double kAcross =
-      0.3;  // of the rate about the vertical: more shows its range by gravity
-  double all_axes = 0.0;
+  constexpr double kAcross = 0.3;  // of the rate about the vertical: gravity shows the range
+  const Vector3d up = judge.data.up.normalized();
   double vertical = 0.0;
+  double across = 0.0;
   for (const ImuSample& s : judge.data.samples) {
-    all_axes += s.gyro_B.squaredNorm();
-    vertical += std::pow(s.gyro_B.dot(judge.data.up.normalized()), 2);
+    vertical += s.gyro_B.dot(up) * s.gyro_B.dot(up);
+    across += s.gyro_B.cross(up).squaredNorm();
   }
-  if (all_axes - vertical > kAcross * kAcross * vertical) return std::nullopt;
+  if (across > kAcross * kAcross * vertical) return std::nullopt;
   double most = kExplained;
   std::optional<double> best;
   for (const double factor : {0.5, 2.0, 0.25, 4.0}) {

@@ -173,6 +173,13 @@ void set_on_scan(const py::object& self, const py::object& call) {
   odometry.on_scan(std::move(told));
 }
 
+template <class Row, void (*kAdd)(const Odometry&, std::vector<Row>*)>
+py::array rows_of(const Odometry& odometry) {
+  std::vector<Row> rows;
+  kAdd(odometry, &rows);
+  return as_rows(std::move(rows));
+}
+
 /// What there is to look at.
 void bind_views(py::class_<Odometry>* odometry) {
   odometry->def("initialized", &Odometry::initialized, "Whether there is an estimate.")
@@ -189,22 +196,10 @@ void bind_views(py::class_<Odometry>* odometry) {
       .def(
           "covariance_now", [](const Odometry& o) { return Eigen::MatrixXd(o.covariance_now()); },
           "Covariance of now(), same order.")
-      .def(
-          "points",
-          [](const Odometry& o) -> py::array {
-            std::vector<PointRow> rows;
-            add_points(o, &rows);
-            return as_rows(std::move(rows));
-          },
-          "The points of the last scan, fields as of Result.points; none if it was not used.")
-      .def(
-          "landmarks",
-          [](const Odometry& o) -> py::array {
-            std::vector<LandmarkRow> rows;
-            add_landmarks(o, &rows);
-            return as_rows(std::move(rows));
-          },
-          "The landmarks in the state, fields as of Result.landmark_states.")
+      .def("points", &rows_of<PointRow, add_points>,
+           "The points of the last scan, fields as of Result.points; none if it was not used.")
+      .def("landmarks", &rows_of<LandmarkRow, add_landmarks>,
+           "The landmarks in the state, fields as of Result.landmark_states.")
       .def("counters", &counters_of, "What was taken and what was refused, as a dict.");
 }
 

@@ -63,7 +63,9 @@ std::string proposed_options(const check::Findings& findings) {
     std::string all;
     for (const Finding& f : not_ok(findings)) {
       const std::size_t at = f.change.find(head);
-      if (at > 0 && (at == std::string::npos || !f.change.starts_with("radar: {T_BS"))) continue;
+      // a mounting comes with the sigma of its prior, in the same sentence
+      const bool with_mounting = at != std::string::npos && f.change.starts_with("radar: {T_BS");
+      if (at != 0 && !with_mounting) continue;
       int depth = 1;
       const std::size_t begin = at + head.size();
       std::size_t end = begin;

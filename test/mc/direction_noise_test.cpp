@@ -50,5 +50,21 @@ TEST(DirectionNoise, CostsTheDefaultLittle) {
   EXPECT_GT(cost("naive"), 6.0);    // measured: 7 to 8, from 0.2 to 1.5 % of the path
 }
 
+/// Twice what is true of the elevation, and found in flight or not (frontend/direction_noise.hpp).
+TEST(DirectionNoise, AnElevationToldTwiceTooNoisyIsFound) {
+  const Variants told = {{"right", "default"},
+                         {"twice", "default", [](Options& o) { o.radar.sigma_elevation *= 2.0; }},
+                         {"not found", "default", [](Options& o) {
+                            o.radar.sigma_elevation *= 2.0;
+                            o.ablation.direction_noise = false;
+                          }}};
+  const std::vector<Outcome> runs = run_campaign(cases_of("indoor-1", 4, 421), told, {});
+  const auto error = [&](const char* variant) {
+    return Spread::of(select(runs, "indoor-1", variant), &Score::ape).mean;
+  };
+  EXPECT_LT(error("twice"), 1.5 * error("right"));      // measured: 0.84
+  EXPECT_GT(error("not found"), 2.0 * error("right"));  // measured: 2.5
+}
+
 }  // namespace
 }  // namespace rio::experiment
