@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "estimator_options.hpp"
 #include "rio/aiding.hpp"
@@ -69,34 +70,42 @@ void Node::make_options() {
 
 void Node::subscribe() {
   const Qos qos = parameters_.reliable ? Qos::kReliable : Qos::kSensorData;
-  imu_.emplace(&participant_, parameters_.imu_topic, sensor_msgs_msg_dds__Imu__desc, qos,
-               kImuDepth);
+  const auto add = [&](const std::string& name, const dds_topic_descriptor_t& type, int depth,
+                       const char* ros_type, void (Node::*hand_over)(Source*), std::size_t radar) {
+    sources_.push_back(
+        {Reader(&participant_, name, type, qos, depth), topic(name, ros_type), hand_over, radar});
+  };
+  add(parameters_.imu_topic, sensor_msgs_msg_dds__Imu__desc, kImuDepth, bag::kImuType,
+      &Node::add_imu, 0);
   const bool scans = parameters_.radar_type == "RadarScan";
   if (!scans && parameters_.radar_type != "PointCloud2") {
     throw std::runtime_error("radar_type: PointCloud2 or RadarScan is expected");
   }
+  std::size_t radar = 0;
   for (const std::string& name : names_in(parameters_.radar_topics)) {
-    radars_.push_back({Reader(&participant_, name,
-                              scans ? radar_msgs_msg_dds__RadarScan__desc
-                                    : sensor_msgs_msg_dds__PointCloud2__desc,
-                              qos, kScanDepth),
-                       topic(name, scans ? bag::kRadarScanType : bag::kCloudType),
-                       {}});
+    add(name, scans ? radar_msgs_msg_dds__RadarScan__desc : sensor_msgs_msg_dds__PointCloud2__desc,
+        kScanDepth, scans ? bag::kRadarScanType : bag::kCloudType, &Node::add_scan, radar++);
   }
   if (!parameters_.pressure_topic.empty()) {
-    pressure_.emplace(&participant_, parameters_.pressure_topic,
-                      sensor_msgs_msg_dds__FluidPressure__desc, qos, kImuDepth);
+    add(parameters_.pressure_topic, sensor_msgs_msg_dds__FluidPressure__desc, kImuDepth,
+        bag::kPressureType, &Node::add_pressure, 0);
   }
   reset_.emplace(&participant_, parameters_.reset_topic, std_msgs_msg_dds__Empty__desc,
                  Qos::kReliable, 1);
 }
 
 void Node::step() {
-  participant_.wait(DDS_MSECS(200));
+  Source* source = oldest();
+  if (source == nullptr) {
+    participant_.wait(DDS_MSECS(200));
+    source = oldest();
+  }
   take_reset();
-  take_pressure();
-  take_imu();
-  for (std::size_t r = 0; r < radars_.size(); ++r) take_scans(r);
+  if (source != nullptr) {
+    decode(source, [&] { (this->*source->hand_over)(source); });
+    source->stamp.reset();
+  }
+  if (error_) std::rethrow_exception(error_);
   if (silent_at_ && std::chrono::steady_clock::now() > *silent_at_) {
     fmt::print(stderr, "{}", silence());
     silent_at_.reset();
@@ -106,74 +115,75 @@ void Node::step() {
   diagnosed_ = newest_;
 }
 
-template <class TakeOne>
-void Node::take(Reader* reader, const std::string& name, const TakeOne& take_one) {
-  while (reader->take(&bytes_)) {
-    try {
-      take_one();
-    } catch (const bag::Damage& damage) {
-      ++refused_;
-      if (std::count(refusals_.begin(), refusals_.end(), name) == 0) {
-        refusals_.push_back(name);
-        fmt::print(stderr, "rio-ros2: {}: a message is left out: {}\n", name, damage.what());
-      }
+Node::Source* Node::oldest() {
+  Source* oldest = nullptr;
+  for (Source& source : sources_) {
+    while (!source.stamp && source.reader.take(&source.message)) {
+      decode(&source,
+             [&] { source.stamp = bag::decode_header(bag::Encoding::kCdr, source.message).stamp; });
     }
-    if (error_) std::rethrow_exception(error_);
+    if (source.stamp && (oldest == nullptr || source.stamp < oldest->stamp)) oldest = &source;
+  }
+  return oldest;
+}
+
+template <class Decode>
+void Node::decode(Source* source, const Decode& decode_it) {
+  try {
+    decode_it();
+  } catch (const bag::Damage& damage) {
+    ++refused_;
+    if (std::exchange(source->refused, true)) return;
+    fmt::print(stderr, "rio-ros2: {}: a message is left out: {}\n", source->topic.name,
+               damage.what());
   }
 }
 
-void Node::take_imu() {
-  const bag::Topic of = topic(parameters_.imu_topic, bag::kImuType);
-  take(&*imu_, of.name, [&] {
-    const bag::ImuMessage message = bag::decode_imu_of(of, bytes_);
-    outputs_->set_body_frame(message.header.frame_id);
-    (void)odometry_->add_imu(message.sample);  // its outcome is counted
-    ++imu_samples_;
-    newest_ = message.sample.time;
-    outputs_->on_imu(*odometry_, message.sample);
-  });
+void Node::add_imu(Source* source) {
+  const bag::ImuMessage message = bag::decode_imu_of(source->topic, source->message);
+  outputs_->set_body_frame(message.header.frame_id);
+  (void)odometry_->add_imu(message.sample);  // its outcome is counted
+  ++source->taken;
+  newest_ = message.sample.time;
+  outputs_->on_imu(*odometry_, message.sample);
 }
 
-void Node::take_scans(std::size_t r) {
-  Radar& radar = radars_[r];
-  take(&radar.reader, radar.topic.name, [&] {
-    const bag::PointCloud cloud = bag::decode_cloud_of(radar.topic, bytes_);
-    scan_.time = cloud.header.stamp;
-    scan_.detections.clear();
-    if (cloud.size() > 0) {
-      if (!radar.map || radar.map->fields() != cloud.fields) {
-        bag::PointRequest request;
-        request.preset = parameters_.points;
-        radar.map.emplace(cloud.fields, request);
-        fmt::print(stderr, "rio-ros2: {}: {}\n", radar.topic.name, radar.map->text());
-      }
-      (void)radar.map->convert(cloud, &scan_.detections);
+void Node::add_scan(Source* source) {
+  const bag::PointCloud cloud = bag::decode_cloud_of(source->topic, source->message);
+  scan_.time = cloud.header.stamp;
+  scan_.detections.clear();
+  if (cloud.size() > 0) {
+    std::optional<bag::PointMap>& map = source->map;
+    if (!map || map->fields() != cloud.fields) {
+      bag::PointRequest request;
+      request.preset = parameters_.points;
+      map.emplace(cloud.fields, request);
+      fmt::print(stderr, "rio-ros2: {}: {}\n", source->topic.name, map->text());
     }
-    ++radar.scans;
-    outputs_->keep_points(scan_, r, cloud.header.frame_id);
-    (void)odometry_->add_scan(scan_, r);  // its outcome is counted
-  });
+    (void)map->convert(cloud, &scan_.detections);
+  }
+  ++source->taken;
+  outputs_->keep_points(scan_, source->radar, cloud.header.frame_id);
+  (void)odometry_->add_scan(scan_, source->radar);  // its outcome is counted
 }
 
-void Node::take_pressure() {
-  if (!pressure_) return;
-  take(&*pressure_, parameters_.pressure_topic, [&] {
-    bag::Header header;
-    const double pressure = bag::decode_pressure(bag::Encoding::kCdr, bytes_, &header);
-    const io::BaroSample sample{header.stamp, pressure};
-    if (!heights_.any && heights_.height(sample)) {
-      heights_.zero = *heights_.height(sample);
-      heights_.any = true;
-    }
-    const std::optional<double> height = heights_.height(sample);
-    if (!height) return;
-    const HeightModel::Measurement z{*height, parameters_.pressure_sigma};
-    (void)odometry_->add_measurement({sample.time, HeightModel{}, z});  // its outcome is counted
-  });
+void Node::add_pressure(Source* source) {
+  bag::Header header;
+  const double pressure = bag::decode_pressure(bag::Encoding::kCdr, source->message, &header);
+  const io::BaroSample sample{header.stamp, pressure};
+  if (!heights_.any && heights_.height(sample)) {
+    heights_.zero = *heights_.height(sample);
+    heights_.any = true;
+  }
+  const std::optional<double> height = heights_.height(sample);
+  if (!height) return;
+  const HeightModel::Measurement z{*height, parameters_.pressure_sigma};
+  (void)odometry_->add_measurement({sample.time, HeightModel{}, z});  // its outcome is counted
 }
 
 void Node::take_reset() {
-  while (reset_->take(&bytes_)) {
+  std::vector<std::uint8_t> message;
+  while (reset_->take(&message)) {
     odometry_->reset();
     heights_ = {};  // over the new start
     fmt::print(stderr, "rio-ros2: reset: starts anew\n");
@@ -189,9 +199,9 @@ void Node::publish_scan() noexcept {
 }
 
 std::string Node::summary() const {
-  std::string text = fmt::format("rio-ros2: {} IMU samples", imu_samples_);
-  for (const Radar& radar : radars_) {
-    text += fmt::format(", {} scans of {}", radar.scans, radar.topic.name);
+  std::string text = fmt::format("rio-ros2: {} IMU samples", sources_[0].taken);
+  for (std::size_t r = 1; r <= options_.radars(); ++r) {
+    text += fmt::format(", {} scans of {}", sources_[r].taken, sources_[r].topic.name);
   }
   const Counters& counters = odometry_->counters();
   text += fmt::format("; {} processed, {} before the start, {} late, {} messages left out; {}\n",
@@ -202,12 +212,11 @@ std::string Node::summary() const {
 
 std::string Node::silence() const {
   std::string text;
-  const auto add = [&text](const std::string& name, std::uint64_t count) {
-    if (count > 0) return;
-    text += "rio-ros2: nothing came on " + name + ": topic name, ROS_DOMAIN_ID, QoS?\n";
-  };
-  add(parameters_.imu_topic, imu_samples_);
-  for (const Radar& radar : radars_) add(radar.topic.name, radar.scans);
+  for (std::size_t i = 0; i <= options_.radars(); ++i) {
+    if (sources_[i].taken > 0) continue;
+    text += "rio-ros2: nothing came on " + sources_[i].topic.name +
+            ": topic name, ROS_DOMAIN_ID, QoS?\n";
+  }
   return text;
 }
 

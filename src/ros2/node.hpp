@@ -4,7 +4,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <deque>
 #include <exception>
 #include <memory>
 #include <optional>
@@ -26,30 +25,38 @@ class Node {
   /// @throws std::runtime_error for parameters, files and DDS
   Node(const Parameters& parameters, unsigned domain);
 
-  /// Waits for messages, 0.2 s at most, and takes all of them.
+  /// Hands over the oldest message that has come; waits for one, 0.2 s at most.
   void step();
   /// What was taken, and what was refused and why.
   std::string summary() const;
 
  private:
-  struct Radar {
+  /// A subscription to messages that begin with a header.
+  struct Source {
     Reader reader;
     bag::Topic topic;
-    std::optional<bag::PointMap> map;
-    std::uint64_t scans = 0;
+    void (Node::*hand_over)(Source*);
+    std::size_t radar = 0;
+    std::optional<bag::PointMap> map{};   ///< of a radar
+    std::vector<std::uint8_t> message{};  ///< the oldest one, if one waits
+    std::optional<Time> stamp{};          ///< of it
+    std::uint64_t taken = 0;
+    bool refused = false;  ///< it was told of a message that was left out
   };
 
   void make_options();
   void subscribe();
   /// Names the topics of IMU and radars on which nothing has come.
   std::string silence() const;
-  /// Takes the messages that have come; one that is not what its type says is left out, and told of
-  /// the first of each topic.
-  template <class TakeOne>
-  void take(Reader* reader, const std::string& topic, const TakeOne& take_one);
-  void take_imu();
-  void take_scans(std::size_t radar);
-  void take_pressure();
+  /// Of the messages that wait the one with the oldest stamp, so that after a stall of the machine
+  /// the sensors go on side by side; nullptr if none waits.
+  Source* oldest();
+  /// A message that is not what its type says is left out, and told of the first of each topic.
+  template <class Decode>
+  void decode(Source* source, const Decode& decode_it);
+  void add_imu(Source* source);
+  void add_scan(Source* source);
+  void add_pressure(Source* source);
   void take_reset();
   /// Within a call of the estimator, which does not throw.
   void publish_scan() noexcept;
@@ -59,20 +66,15 @@ class Node {
   Options options_;
   std::unique_ptr<Odometry> odometry_;
   std::optional<Outputs> outputs_;
-  std::optional<Reader> imu_;
-  std::optional<Reader> pressure_;
+  std::vector<Source> sources_;  ///< IMU, radars, pressure
   std::optional<Reader> reset_;
-  std::deque<Radar> radars_;
-  std::vector<std::uint8_t> bytes_;
   RadarScan scan_;
   io::BarometricScale heights_;  ///< zero at the first pressure since the start or a reset
   /// When silence is told.
   std::optional<std::chrono::steady_clock::time_point> silent_at_ =
       std::chrono::steady_clock::now() + std::chrono::seconds(10);
   std::exception_ptr error_;  ///< of publishing
-  std::uint64_t imu_samples_ = 0;
   std::uint64_t refused_ = 0;
-  std::vector<std::string> refusals_;  ///< topics of which it has been said
   Time newest_{0};
   Time diagnosed_{0};
 };
