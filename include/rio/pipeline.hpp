@@ -168,10 +168,11 @@ class Pipeline {
     const DetectionList& scan =
         correction_.correct(unusable ? empty_ : received, estimate(), velocity_covariance_);
     if (checks_.check_landmarks(scan.time, report_.imu_gap)) reset_frontends();
-    observe(scan, last);  // 2
+    const auto rest = rest_.observe(unusable ? received : scan, last, imu, estimate().nav,
+                                    backend_.state_estimate().covariance().body());
+    observe(scan, last, rest.has_value());  // 2
     correction_.observe(seen_, estimate());
-    seen_.rest = rest_.observe(unusable ? received : scan, last, imu, estimate().nav,
-                               backend_.state_estimate().covariance().body());
+    seen_.rest = rest;
     if (seen_.rest) mountings_.restart_drifts();
     if (options_.update.use_ego_velocity) {
       const auto velocity = ego_velocity_measurement(*seen_.scan, seen_.ego_velocity, estimate());
@@ -292,8 +293,8 @@ class Pipeline {
   }
 
   /// Stage 2, again after a check has replaced the attitude.
-  void observe(const DetectionList& scan, Time last) {
-    if (checks_.check_velocity(scan, velocity_covariance_, last)) forget_velocity();
+  void observe(const DetectionList& scan, Time last, bool at_rest) {
+    if (checks_.check_velocity(scan, velocity_covariance_, last, at_rest)) forget_velocity();
     frontend().observe(scan, estimate(), &seen_, velocity_covariance_);
     if (checks_.check_tilt(seen_)) {
       forget_velocity();

@@ -23,7 +23,7 @@ VelocityCheck::VelocityCheck(const Options& options)
 
 std::optional<IndependentVelocity> VelocityCheck::observe(const DetectionList& scan,
                                                           const Estimate& x, double sigma,
-                                                          double sigma_tilt) {
+                                                          double sigma_tilt, bool at_rest) {
   chance_ = 0.0;
   if (!options_.checks.velocity) return abstain(x.nav.time);
   drift_ = std::hypot(kDrift, options_.imu.gravity * sigma_tilt);
@@ -53,7 +53,7 @@ std::optional<IndependentVelocity> VelocityCheck::observe(const DetectionList& s
   const double difference = (other->v_B - believed).norm();
   if (unique_fold && difference < 3.0 * sigma) return std::nullopt;
   contradiction_ = difference;
-  if (!record_.lasts(now, proven() ? kLongPatience : kPatience)) return std::nullopt;
+  if (!record_.lasts(now, proven() && !at_rest ? kLongPatience : kPatience)) return std::nullopt;
   return other;
 }
 

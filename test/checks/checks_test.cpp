@@ -68,8 +68,8 @@ class ChecksTest : public testing::Test {
     bool gap = false;
     EXPECT_EQ(backend_->propagate(vehicle_->truth.time, vehicle_->imu(), &gap), Status::kOk);
     checks_->carry(last, vehicle_->imu(), gap);
-    return checks_->check_velocity(vehicle_->scan(12),
-                                   backend_->state_estimate().radar_velocity_covariance(), last);
+    return checks_->check_velocity(
+        vehicle_->scan(12), backend_->state_estimate().radar_velocity_covariance(), last, false);
   }
 
   /// Scans until the velocity is replaced, 40 if it is not.

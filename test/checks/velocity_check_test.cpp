@@ -49,7 +49,7 @@ class VelocityCheckTest : public testing::Test {
           random_.normal() * d.sigma_azimuth_S + random_.normal() * d.sigma_elevation_S;
       d.direction_S.normalize();
     }
-    return check_->observe(scan, x, sigma, 0.002);
+    return check_->observe(scan, x, sigma, 0.002, at_rest_);
   }
 
   /// Scans until there is a verdict, at most `count`; the seconds that took, negative if none came.
@@ -101,6 +101,7 @@ class VelocityCheckTest : public testing::Test {
   Options options_;
   Vector3d v_{0.4, -0.3, 0.1};
   bool paused_ = false;   ///< the IMU, before the next scan
+  bool at_rest_ = false;  ///< by the rest detector
   bool blurred_ = false;  ///< the directions of the points have errors, too
   std::optional<VelocityCheck> check_;
   std::optional<test::SeenVehicle> vehicle_;
@@ -193,6 +194,20 @@ TEST_F(VelocityCheckTest, APersonWhoFillsTheViewForSecondsIsNoVelocity) {
   expect_none(45, kNone, 6);
   expect_none(45, kNone, 1, 5, Vector3d(1.0, 0.5, 0.0));
   expect_none(45, kNone, 6);
+}
+
+// A vehicle stops while the estimate, that was right before, goes on.
+TEST_F(VelocityCheckTest, AtRestAProvenVelocityIsContradictedInASecond) {
+  v_.setZero();
+  const Vector3d wrong(0.4, 0.0, 0.0);
+  for (const bool at_rest : {false, true}) {
+    at_rest_ = at_rest;
+    restart();
+    vehicle_->rate.setZero();
+    vehicle_->acceleration.setZero();
+    expect_none(45, kNone, 6);
+    EXPECT_EQ(seconds_to_verdict(wrong, 0.05, 6, 20) > 0.0, at_rest);
+  }
 }
 
 // A pause of the IMU ends the proof and leaves no Dopplers: a scan after it, however dense and for

@@ -95,12 +95,13 @@ class Checks {
   /// @param scan corrected for the errors of the radar
   /// @param velocity_covariance of the predicted radar velocity
   /// @param last time of the scan before
+  /// @param at_rest the body lies still by the rest detector
   [[nodiscard]] bool check_velocity(const DetectionList& scan, const Matrix3d& velocity_covariance,
-                                    Time last) {
+                                    Time last, bool at_rest) {
     constexpr double kOpen = 0.5;  // above it the next scans determine the velocity [m/s]
     const Estimate& x = backend_.estimate();
     sigma_velocity_ = std::sqrt(velocity_covariance.trace());
-    const auto found = velocity_.observe(scan, x, sigma_velocity_, sigma_tilt());
+    const auto found = velocity_.observe(scan, x, sigma_velocity_, sigma_tilt(), at_rest);
     report_.velocity_reset = found.has_value();
     report_.velocity_contradicted = velocity_.record().contradicted(x.nav.time);
     if (velocity_.proven()) unconfirmed_alignment_ = false;

@@ -25,7 +25,8 @@
 //   - most rows support it, over a sufficient span, and no other distant one is nearly as likely;
 //   - its L is kClearly times that of the state estimate's velocity, and beyond its three sigmas.
 // "Long enough" is short at the start and long if the state estimate was supported before: the IMU
-// would have measured a change of the velocity, but a person passing close by may fill the view.
+// would have measured a change of the velocity, but a person passing close by may fill the view. It
+// is short again while the body lies still (frontend/rest_detector.hpp): the IMU agrees then.
 #pragma once
 
 #include <optional>
@@ -76,8 +77,9 @@ class VelocityCheck {
   /// @param x predicted to the scan
   /// @param sigma of the velocity of x, all axes [m/s]
   /// @param sigma_tilt of roll and pitch [rad]
+  /// @param at_rest the body lies still by the rest detector
   std::optional<IndependentVelocity> observe(const DetectionList& scan, const Estimate& x,
-                                             double sigma, double sigma_tilt);
+                                             double sigma, double sigma_tilt, bool at_rest);
 
  private:
   /// One Doppler, transformed to the current body axes.
