@@ -159,15 +159,6 @@ TEST(ScenarioYaml, RelativePathsAreTakenFromTheFolderOfTheFile) {
   EXPECT_EQ(load("\"\""), "");
 }
 
-TEST(FlyScenario, FliesARandomPathWithoutAFile) {
-  sim::Scenario scenario;
-  scenario.path.length = 25.0;
-  scenario.max_duration = 5.0;
-  const sim::Flight flight = fly_scenario(scenario);
-  EXPECT_EQ(flight.trajectory.length(), sim::simulate_flight(scenario).trajectory.length());
-  EXPECT_EQ(flight.scenario.start, flight.imu.front().time);
-}
-
 TEST(FlyScenario, SaysWhatCannotBeFlown) {
   sim::Scenario scenario;
   scenario.path.file = "/nowhere/walk.tum";

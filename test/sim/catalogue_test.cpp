@@ -127,12 +127,6 @@ TEST(Catalogue, HoversInASmallBoxSlowerThanTheDopplerGridResolves) {
   }
 }
 
-TEST(Catalogue, IcraFlightsHaveTheLengthsOfTheTable) {
-  for (std::size_t i = 0; i < kIcraLengths.size(); ++i) {
-    EXPECT_EQ(scenario_named("indoor-" + std::to_string(i + 1)).path.length, kIcraLengths[i]);
-  }
-}
-
 TEST(Catalogue, RoughGroundIsDrivenNoseAheadOnAFlatFloor) {
   Scenario chosen = scenario_named("rough-ground");
   for (chosen.seed = 1; chosen.seed <= 3; ++chosen.seed) {
@@ -179,22 +173,6 @@ TEST(Catalogue, RoughGroundHasSparseCoarseScansAndLostSamples) {
     interpolated += bend.norm() < 1e-9 ? 1.0 / static_cast<double>(flight.imu.size()) : 0.0;
   }
   test::expect_near("samples interpolated, share", interpolated, 0.31, 0.02);
-}
-
-TEST(Catalogue, LongLastsTwentyMinutes) {
-  const Scenario chosen = scenario_named("long");
-  const Trajectory trajectory = random_flight(chosen.seed, chosen.path);
-  EXPECT_NEAR(trajectory.duration(), 1200.0, 25.0);
-  EXPECT_NEAR(trajectory.length(), 850.0, 60.0);
-}
-
-/// What that does: Disturbances.OutagesLeaveNoScans, ImuGapsLeaveNoSamplesAndTruthGoesOn, Spells.
-TEST(Catalogue, DropoutSilencesBothSensorsTwice) {
-  const Disturbances disturbances = scenario_named("dropout").disturbances;
-  EXPECT_EQ(disturbances.outages.count, 2);
-  EXPECT_EQ(disturbances.outages.duration, 5.0);
-  EXPECT_EQ(disturbances.imu_gaps.count, 2);
-  EXPECT_EQ(disturbances.imu_gaps.duration, 0.2);
 }
 
 }  // namespace
