@@ -124,15 +124,6 @@ TEST_P(OdometryTest, WhatIsRefusedChangesNothing) {
   EXPECT_EQ(c.detections_non_finite, flight().scans[0].detections.size() + 1);
 }
 
-TEST_P(OdometryTest, EmptyScanIsAScan) {
-  auto odometry = started();
-  std::size_t next = 0;
-  feed_imu(*odometry, flight().scans[0].time + milliseconds(10), &next);
-  EXPECT_EQ(odometry->add_scan({flight().scans[0].time, {}}), Status::kOk);
-  EXPECT_EQ(odometry->at_scan().time, flight().scans[0].time);
-  EXPECT_EQ(odometry->report().detections, 0);
-}
-
 TEST_P(OdometryTest, SilentRadarKeepsTheEstimateWithinItsLag) {
   auto odometry = started();
   double sigma = 0.0;

@@ -162,16 +162,6 @@ TEST(Trial, StartsWhereTheScenarioSays) {
   EXPECT_LT((trial.steps.back().estimate.v_WB - trial.steps.back().truth.v_WB).norm(), 0.2);
 }
 
-TEST(Trial, TellsTheEstimatorTheWrongMounting) {
-  sim::Scenario s = short_scenario(4);
-  s.errors.extrinsic_angle = 0.05;
-  s.errors.extrinsic_distance = 0.02;
-  const sim::Flight flight = sim::simulate_flight(s);
-  const Options o = options_for(flight, "default");
-  EXPECT_NEAR(o.radar.T_BS.rotation.angularDistance(s.radar.T_BS.rotation), 0.05, 1e-9);
-  EXPECT_NEAR((o.radar.T_BS.translation - s.radar.T_BS.translation).norm(), 0.02, 1e-12);
-}
-
 TEST(Trial, IsIncompleteAfterASilenceOfTheFilterAndNotOfTheRadar) {
   sim::Scenario s = short_scenario(5);
   s.disturbances.outages = {1, 5.0};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The fault campaign: what a fault does to the events, what counts as wrong, and promises that are
-// kept, with either back-end.
+// The fault campaign: what a fault does to the events, and what counts as wrong. Promises that are
+// kept: api/contract_test.cpp.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,17 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "api/flying.hpp"
 #include "experiment/survival.hpp"
-#include "experiment/trial.hpp"
-#include "support/measured.hpp"
 #include "support/short_flight.hpp"
 
 namespace rio::experiment {
 namespace {
 
-constexpr double kBegin = 8.0;   // in flight [s]
-constexpr double kAfter = 16.0;  // [s]
+constexpr double kBegin = 8.0;  // in flight [s]
 
 const sim::Flight& flight() {
   static const sim::Flight flight = test::short_flight("indoor-1", 36.0);
@@ -98,70 +94,6 @@ TEST(Deviation, IsWrongBeyondItsLimits) {
   EXPECT_FALSE((Deviation{.tilt = 9.0, .tilt_sigmas = 4.9}).dishonest());
   EXPECT_TRUE((Deviation{.tilt = 9.0, .tilt_sigmas = 5.1}).dishonest());
   EXPECT_TRUE((Deviation{.velocity_sigmas = 3.1}).outside_3_sigma());
-}
-
-using FaultPromises = test::BackEndTest;
-
-INSTANTIATE_TEST_SUITE_P(BackEnds, FaultPromises, test::kBothBackEnds, test::back_end_name);
-
-TEST_P(FaultPromises, AreKept) {
-  const char* const some[] = {
-      "none",
-      "all clocks start again at 0",
-      "IMU samples swapped for 10 s",
-      "scans again after 0.3 s",
-      "IMU silent for 0.3 s",
-      "radar silent for 5 s",
-      "scans in blocks of 2 s for 10 s",
-      "accel frozen for 5 s",
-      "IMU frozen for 0.1 s",
-      "one sample of 100 m/s^2",
-      "vibration of 3 g and 1 rad/s for 10 s",
-      "accel bias x +0.5 m/s^2",
-      "empty scans for 5 s",
-      "80 % random outliers for 3 s",
-      "100 % random outliers for 10 s",
-      "90 % movers for 10 s",
-      "60 % coherent outliers for 10 s",
-      "the same scan again for 10 s",
-      "start in flight, 20 deg of roll off, sigma lying",
-      "start in flight, 1 m/s off, sigma lying",
-      "start in flight, quaternion zero",
-  };
-  for (const char* name : some) {
-    const Fault& fault = fault_named(name);
-    const Survival end = survive(flight(), options_for(flight()), fault, kBegin, kAfter);
-    test::measured(std::string(name) + ": wrong until [s]", end.wrong_until, promise_text(fault));
-    EXPECT_TRUE(end.kept) << name << ": wrong until " << end.wrong_until << ", in the end "
-                          << end.last.why();
-    EXPECT_TRUE(end.always_finite) << name;
-    EXPECT_TRUE(end.always_covariance) << name;
-  }
-}
-
-// Nobody knows where it flew meanwhile; the sigma has to say so.
-TEST_P(FaultPromises, OfASilenceOfBothSensorsIsKept) {
-  const sim::Flight longer = test::short_flight("indoor-1", 56.0);
-  const Fault& fault = fault_named("IMU and radar silent for 30 s");
-  const Survival end = survive(longer, options_for(longer), fault, kBegin, kAfter);
-  test::expect_below(fault.name + ": position, sigmas", end.last.position_sigmas, 3.0);
-  EXPECT_TRUE(end.kept) << "wrong until " << end.wrong_until << ", in the end " << end.last.why();
-  EXPECT_LT(end.last.position, 60.0);  // 30 s at 2 m/s; extrapolated it is a kilometre
-  EXPECT_LT(end.outside_unreported, 1.0);
-  EXPECT_EQ(end.counters.clock_restarts, 0U);
-  EXPECT_GE(end.counters.restarts, 1U);
-}
-
-// A spike opens the velocity, outliers then give a wrong one, and landmarks matched among them
-// would settle the position 0.5 m off with a sigma of 0.04 m.
-TEST(Faults, PositionAfterOutliersThatFollowASpike) {
-  const sim::Flight hover = test::short_flight("hover", 54.0, 2);
-  const Fault both = together(fault_named("80 % random outliers for 3 s"),
-                              fault_named("one sample of 100 m/s^2"), recovered(5.0));
-  const Survival end = survive(hover, options_for(hover, "default"), both);
-  test::expect_below("outliers after a spike: position, sigmas", end.last.position_sigmas, 5.0);
-  EXPECT_GT(end.counters.position_reopened, 0U);
-  EXPECT_TRUE(end.kept) << end.last.why();
 }
 
 }  // namespace
