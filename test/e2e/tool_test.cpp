@@ -154,14 +154,6 @@ TEST_F(Tool, UnknownOptionsAreRejectedWithASuggestion) {
             3);
 }
 
-TEST_F(Tool, PrintedOptionsLoadAgain) {
-  for (const std::string preset : {"published-ekf", "published-smoother"}) {
-    std::ofstream(file("all.yaml")) << rio("options --preset " + preset).output;
-    const Json json = rio("replay " + flight_ + " --json --config " + file("all.yaml")).json();
-    EXPECT_EQ(json["clones"], preset == "published-ekf" ? 7 : 10);
-  }
-}
-
 TEST_F(Tool, PrintedOptionsLeaveTheSensorFilesAloneAndWhatOverridesThemIsSaid) {
   const std::string replay = "replay " + flight_ + " --quiet --no-check --out ";
   rio(replay + file("plain.tum"));
