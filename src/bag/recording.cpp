@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <deque>
+#include <iterator>
+#include <map>
 #include <stdexcept>
 #include <utility>
 
@@ -50,6 +52,28 @@ class Halves {
   std::deque<ImuSample> accels_;
 };
 
+/// Samples in the order of their stamps, if some come late; else in that of the file.
+class InOrder {
+ public:
+  explicit InOrder(Time late) : late_(late) {}
+  void add(const ImuSample& sample) {
+    held_.emplace(late_ > Time(0) ? sample.time : Time(0), sample);
+  }
+  /// @param at_end no more will come
+  bool next(ImuSample* sample, bool at_end) {
+    if (held_.empty()) return false;
+    const auto first = held_.begin();
+    if (!at_end && std::prev(held_.end())->first - first->first < late_) return false;
+    *sample = first->second;
+    held_.erase(first);
+    return true;
+  }
+
+ private:
+  Time late_;
+  std::multimap<Time, ImuSample> held_;
+};
+
 /// One reader for all topics: it buffers messages read before they are requested. If the topics are
 /// far apart in the file, each sensor gets its own reader.
 class BagStream final : public io::RecordingStream {
@@ -77,15 +101,20 @@ class BagStream final : public io::RecordingStream {
   struct Imu : Sensor<ImuSample> {
     std::size_t readable = 0;
     std::size_t readable_accel = 0;  ///< on its own topic
+    InOrder samples;
+    InOrder accels;
     Halves halves;
 
     explicit Imu(const Surveyed& survey)
-        : halves(survey.accel ? survey.accel->interval : Time(0)) {}
+        : samples(survey.imu.late),
+          accels(survey.accel ? survey.accel->late : Time(0)),
+          halves(survey.accel ? survey.accel->interval : Time(0)) {}
   };
   struct Radar : Sensor<RadarScan> {
     CloudReader clouds;
     std::size_t readable = 0;
-    std::size_t scan = 0;  ///< next one of the outline
+    std::size_t scan = 0;                    ///< next one of the outline
+    std::map<std::size_t, RadarScan> early;  ///< those behind it
 
     explicit Radar(const PointRequest& points) : clouds(points) {}
   };
@@ -129,7 +158,10 @@ class BagStream final : public io::RecordingStream {
     if (!common_) common_ = open_messages(path_);
     while (sensor.waiting.empty()) {
       MessageStream* from = reader_of(sensor);
-      if (!from->next(&message)) return false;
+      if (!from->next(&message)) {
+        if (static_cast<const void*>(&sensor) == &imu_) give_samples(true);
+        return !sensor.waiting.empty();
+      }
       const Topic& topic = from->topics()[message.topic];
       if (from == reader_of(imu_) && is_of_imu(topic)) take_imu(topic, message);
       for (std::size_t r = 0; r < radars_.size(); ++r) {
@@ -161,27 +193,39 @@ class BagStream final : public io::RecordingStream {
       const std::size_t i = is_accel ? imu_.readable_accel++ : imu_.readable++;
       ImuSample sample = read.sample;
       sample.time = of.stamping.stamp(read.header.stamp, message.received, i);
-      if (!survey_.accel) {
-        if (!read.absent) imu_.waiting.push_back(sample);
-        return;
-      }
-      imu_.halves.add(sample, is_accel);
-      while (imu_.halves.next(&sample)) imu_.waiting.push_back(sample);
+      if (!survey_.accel && read.absent) return;
+      (is_accel ? imu_.accels : imu_.samples).add(sample);
+      give_samples(false);
     } catch (const Damage&) {  // already noted by the survey
     }
   }
 
+  void give_samples(bool at_end) {
+    ImuSample sample;
+    while (imu_.accels.next(&sample, at_end)) imu_.halves.add(sample, true);
+    while (imu_.samples.next(&sample, at_end)) {
+      if (survey_.accel) imu_.halves.add(sample, false);
+      if (!survey_.accel) imu_.waiting.push_back(sample);
+    }
+    while (imu_.halves.next(&sample)) imu_.waiting.push_back(sample);
+  }
+
   void take_scan(std::size_t r, const Topic& topic, const Message& message) {
     Radar& radar = radars_[r];
-    const std::vector<bool>& kept = survey_.radars[r].kept;
+    const std::vector<std::optional<std::size_t>>& place = survey_.radars[r].place;
     ++radar.met;
     try {
       RadarScan scan;
       (void)radar.clouds.read(topic, message, &scan.detections);
       const std::size_t i = radar.readable++;
-      if (i >= kept.size() || !kept[i]) return;
-      scan.time = outline_.scan_times[r][radar.scan++];
-      radar.waiting.push_back(std::move(scan));
+      if (i >= place.size() || !place[i]) return;
+      scan.time = outline_.scan_times[r][*place[i]];
+      radar.early.emplace(*place[i], std::move(scan));
+      for (auto next = radar.early.begin(); next != radar.early.end() && next->first == radar.scan;
+           ++radar.scan) {
+        radar.waiting.push_back(std::move(next->second));
+        next = radar.early.erase(next);
+      }
     } catch (const Damage&) {  // already noted by the survey
     }
   }

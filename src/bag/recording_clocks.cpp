@@ -7,6 +7,7 @@
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -101,7 +102,8 @@ class OneClock {
     }
   }
 
-  /// The scans that have a stamp, which is not that of the scan before.
+  /// The scans that have a stamp, which is not that of the scan before; those that came late in
+  /// the order of their stamps.
   void keep(const Source& source, const std::vector<std::optional<Time>>& stamps) {
     Surveyed::Radar& radar = out_->radars.emplace_back();
     radar.role = source.role;
@@ -109,12 +111,25 @@ class OneClock {
     std::size_t repeated = 0;
     for (const std::optional<Time>& stamp : stamps) {
       const bool again = stamp && !times.empty() && *stamp == times.back();
-      radar.kept.push_back(stamp && !again);
-      if (radar.kept.back()) times.push_back(*stamp);
+      radar.place.push_back(stamp && !again ? std::optional(times.size()) : std::nullopt);
+      if (radar.place.back()) times.push_back(*stamp);
       repeated += again ? 1 : 0;
     }
+    if (source.stamps.late.longest() > Time(0)) sort(&times, &radar.place);
     if (repeated == 0) return;
     sources_->note("{} scans have the stamp of the scan before and are left out", repeated);
+  }
+
+  static void sort(std::vector<Time>* times, std::vector<std::optional<std::size_t>>* place) {
+    std::vector<std::size_t> order(times->size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, {}, [times](std::size_t i) { return (*times)[i]; });
+    std::vector<std::size_t> place_of(order.size());
+    for (std::size_t k = 0; k < order.size(); ++k) place_of[order[k]] = k;
+    for (std::optional<std::size_t>& each : *place) {
+      if (each) *each = place_of[*each];
+    }
+    std::ranges::sort(*times);
   }
 
   /// Empty for scans without a trigger.
@@ -166,7 +181,8 @@ class OneClock {
     const Stamps& stamps = source->stamps;
     const auto intervals = static_cast<std::int64_t>(std::max<std::size_t>(stamps.count, 2) - 1);
     return {source->role, stamping(source, clock, request_.imu_offset),
-            (stamps.last_received - stamps.first_received) / intervals};
+            (stamps.last_received - stamps.first_received) / intervals,
+            clock == Clock::kReceive ? Time(0) : stamps.late.longest()};
   }
 
   std::vector<Time> stamp_all(Source* source, Clock clock, double offset) {
@@ -204,6 +220,10 @@ class OneClock {
       text += fmt::format(" ({} header stamps are those of the message before)", stamps.repeats);
     }
     if (offset != 0.0) text += fmt::format(", and by {} s", offset);
+    if (const Time late = stamps.late.longest(); late > Time(0) && !received) {
+      text += fmt::format(", in the order of these: {} came up to {:.3f} s late",
+                          stamps.late.count(), to_seconds(late));
+    }
     sources_->note("{}: {} messages, {}", source->role.name, stamps.count, text);
     Stamping how{received, received ? Shifts() : stamps.shifts(), delay + from_seconds(offset),
                  stamps.delay()};

@@ -202,8 +202,10 @@ std::vector<Source*> Sources::found(const std::string& role, const std::string& 
 }
 
 void Sources::fail_ambiguous(const Source& one, const std::string& why) const {
-  fail("several topics of type {}; choose with --{}{}:{}", one.role.type, one.role.role, why,
-       topic_list(summary_));
+  const std::string topics = topic_list(summary_);
+  const bool framed = topics.find('@') != std::string::npos;
+  fail("several topics of type {}; choose with --{}{}{}:{}", one.role.type, one.role.role,
+       framed ? " (TOPIC@FRAME: those of its messages with that frame_id)" : "", why, topics);
 }
 
 Source* Sources::only(const std::vector<Source*>& sources) const {

@@ -224,12 +224,14 @@ struct Surveyed {
     Role role{"imu", kImuType, {}};
     Stamping stamping;
     Time interval{0};  ///< mean, between messages
+    Time late{0};      ///< up to which messages are behind others of later stamps
   };
   Imu imu;                   ///< or its gyroscope alone,
   std::optional<Imu> accel;  ///< and its accelerometer
   struct Radar {
     Role role{"radar", kCloudType, {}};
-    std::vector<bool> kept;  ///< for each readable scan, whether the outline contains it
+    /// For each readable scan, its place in the outline; none if it is left out.
+    std::vector<std::optional<std::size_t>> place;
   };
   std::vector<Radar> radars;
   std::vector<io::BaroSample> baro;

@@ -77,7 +77,7 @@ std::optional<double> doppler_grid(const Sources& sources, const Surveyed& out, 
     Message message;
     RadarScan scan;
     bool go_on = true;
-    for (std::size_t i = 0; go_on && i < radar.kept.size() && stream->next(&message);) {
+    for (std::size_t i = 0; go_on && i < radar.place.size() && stream->next(&message);) {
       const Topic& topic = stream->topics()[message.topic];
       if (!radar.role.fits(topic)) continue;
       try {
@@ -85,10 +85,10 @@ std::optional<double> doppler_grid(const Sources& sources, const Surveyed& out, 
       } catch (const Damage&) {
         continue;
       }
-      if (radar.kept[i++]) go_on = use(scan);
+      if (radar.place[i++]) go_on = use(scan);
     }
   };
-  if (out.outline.scan_times[r].size() == radar.kept.size()) {
+  if (out.outline.scan_times[r].size() == radar.place.size()) {
     return sources.radars[r]->grid.step(each_scan);
   }
   io::DopplerGrid of_kept;

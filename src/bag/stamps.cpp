@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
+#include <numeric>
 #include <utility>
 
 namespace rio::bag {
@@ -23,9 +25,37 @@ bool is_far(Time a, Time b) {
 
 }  // namespace
 
+bool LateMessages::add(Time header) {
+  constexpr std::size_t kMost = 1024;  // seconds of an IMU
+  if (last_.empty() || header >= last_.back()) {
+    last_.push_back(header);
+    while (last_.size() > kMost) last_.pop_front();
+    return false;
+  }
+  ++behind_;
+  const auto after = std::upper_bound(last_.begin(), last_.end(), header);
+  if (after == last_.begin()) return false;
+  std::vector<Time> intervals;
+  std::adjacent_difference(last_.begin(), last_.end(), std::back_inserter(intervals));
+  intervals.erase(intervals.begin());
+  const auto quarter = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 4);
+  std::nth_element(intervals.begin(), quarter, intervals.end());  // many are missing so far
+  // one that is set back falls nearer to one of its neighbours than half of an interval
+  const Time nearest = std::min(*after - header, header - *std::prev(after));
+  if (5 * nearest < 3 * *quarter) return false;
+  longest_ = std::max(longest_, last_.back() - header);
+  ++fill_;
+  last_.insert(after, header);
+  return true;
+}
+
 void Stamps::add(const Header& head, Time when, bool all) {
+  const bool is_late = head.stamp != Time(0) && late.add(head.stamp);
   if (head.stamp == Time(0)) {
     ++zeros;
+  } else if (is_late) {  // on the clock of those before
+    const auto filled = [when](const Pause& p) { return when < p.end && when > p.end - p.length; };
+    std::erase_if(pauses_, filled);
   } else {
     const Time delay = when - head.stamp;
     // a late or lost message moves both clocks, or the receive time alone
@@ -57,7 +87,7 @@ void Stamps::add(const Header& head, Time when, bool all) {
     first = head;
     first_received = when;
   }
-  last = head;
+  if (!is_late) last = head;
   last_received = when;
   if (!all) return;
   header.push_back(head.stamp);

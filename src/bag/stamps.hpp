@@ -45,6 +45,23 @@ struct Stamping {
   }
 };
 
+/// Tells messages that come late, and fill a hole between the headers before, from a clock that is
+/// set back, or a second publisher, whose headers fall between those.
+class LateMessages {
+ public:
+  /// @return whether it fills one
+  bool add(Time header);
+  /// The longest way back of one of them; 0 if most headers that are behind another fill none.
+  Time longest() const { return 10 * fill_ > 9 * behind_ ? longest_ : Time(0); }
+  std::size_t count() const { return fill_; }
+
+ private:
+  std::deque<Time> last_;  ///< headers, in order
+  std::size_t behind_ = 0;
+  std::size_t fill_ = 0;
+  Time longest_{0};
+};
+
 /// Filled while the topic is read.
 class Stamps {
  public:
@@ -59,7 +76,8 @@ class Stamps {
   std::size_t count = 0;
   std::size_t zeros = 0;    ///< of the headers
   std::size_t repeats = 0;  ///< headers that equal the one before, received apart, if each is kept
-  std::size_t backs = 0;    ///< headers before the one before
+  std::size_t backs = 0;    ///< headers before the one before, which fill no hole
+  LateMessages late;
   Header first, last;
   Time first_received{0}, last_received{0};
   std::vector<Time> header;

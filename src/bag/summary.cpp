@@ -34,8 +34,14 @@ void add(const Message& message, TopicSummary* s) {
     if (points && s->fields.empty()) {
       s->fields = decode_cloud_of(s->topic, message.data).fields;
     }
-    if (s->has_header)
-      add_header(decode_header(s->topic.encoding, message.data), message.received, s);
+    if (!s->has_header) return;
+    const Header header = decode_header(s->topic.encoding, message.data);
+    add_header(header, message.received, s);
+    if (header.stamp != Time(0) && header.stamp < s->latest_stamp) {
+      ++s->behind;
+      s->longest_behind = std::max(s->longest_behind, to_seconds(s->latest_stamp - header.stamp));
+    }
+    s->latest_stamp = std::max(s->latest_stamp, header.stamp);
   } catch (const Damage&) {
     ++s->unreadable;
   }
@@ -45,6 +51,10 @@ std::string clock_text(const TopicSummary& s) {
   std::string zero =
       s.zero_stamps == 0 ? "" : fmt::format("{} of {} are zero", s.zero_stamps, s.messages);
   if (s.min_delay > s.max_delay) return zero;
+  if (s.behind > 0) {
+    zero += fmt::format("{}{} are before an earlier one, by up to {:.3f} s",
+                        zero.empty() ? "" : "; ", s.behind, s.longest_behind);
+  }
   return fmt::format("{:.6f} to {:.6f} s before they were received{}", s.min_delay, s.max_delay,
                      zero.empty() ? "" : "; " + zero);
 }

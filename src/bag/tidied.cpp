@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <deque>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "decompress.hpp"
 #include "formats.hpp"
@@ -22,10 +24,16 @@ class Tidied final : public MessageStream {
   std::string format() const override { return raw_->format(); }
 
  private:
-  /// Of a topic.
+  /// Messages of one topic with the same frame_id.
+  struct Framed {
+    std::size_t topic = 0;
+    std::string frame;  ///< empty: not known yet
+  };
+  /// Of a topic of the file.
   struct State {
-    bool points = false;  ///< of scans, one a message
-    Time last{0};         ///< received, on the clock that goes on
+    bool points = false;         ///< of scans, one a message
+    std::vector<Framed> frames;  ///< of its messages
+    Time last{0};                ///< received, on the clock that goes on
     Time last_but_one{0};
     std::size_t count = 0;
     std::vector<std::uint8_t> scan;  ///< so far
@@ -36,27 +44,54 @@ class Tidied final : public MessageStream {
 
   bool read(Message* message) override {
     while (next_raw(message)) {
-      while (topics_.size() < raw_->topics().size()) {
-        topics_.push_back(raw_->topics()[topics_.size()]);
+      while (states_.size() < raw_->topics().size()) {
+        topics_.push_back(raw_->topics()[states_.size()]);
         states_.emplace_back().points = is_ti_scan(topics_.back().type);
+        states_.back().frames.push_back({topics_.size() - 1, {}});
       }
       State& of = states_[message->topic];
       const std::string_view packed = compression_of(message->data);
-      if (topics_[message->topic].encoding == Encoding::kCdr && !packed.empty()) {
+      if (raw_->topics()[message->topic].encoding == Encoding::kCdr && !packed.empty()) {
         if (!decompress(packed, message->data, {}, &plain_).empty()) plain_.clear();
         message->data = plain_;
       }
       set_clock(&of, message);
-      if (!of.points || take_point(&of, message)) return true;
+      if (of.points && !take_point(&of, message)) continue;
+      message->topic = topic_of(&of, *message);
+      return true;
     }
     damage_ = raw_->damage();
     for (std::size_t i = 0; i < states_.size(); ++i) {
       if (states_[i].scan.empty()) continue;
       give_scan(&states_[i], message);
-      message->topic = i;
+      message->topic = states_[i].frames[0].topic;
       return true;
     }
     return false;
+  }
+
+  /// IMUs or radars that share a topic are told apart by their frames: the first has its name, any
+  /// other one TOPIC@FRAME.
+  std::size_t topic_of(State* of, const Message& message) {
+    constexpr std::size_t kMost = 8;  // of a driver that counts in it
+    const Topic topic = topics_[of->frames[0].topic];
+    if (!(topic.type == kImuType || is_cloud(topic.type)) || !begins_with_header(topic)) {
+      return of->frames[0].topic;
+    }
+    std::string frame;
+    try {
+      frame = decode_header(topic.encoding, message.data).frame_id;
+    } catch (const Damage&) {
+      return of->frames[0].topic;
+    }
+    if (of->frames[0].frame.empty()) of->frames[0].frame = frame;
+    for (const Framed& known : of->frames) {
+      if (known.frame == frame) return known.topic;
+    }
+    if (frame.empty() || of->frames.size() == kMost) return of->frames[0].topic;
+    topics_.push_back({topic.name + "@" + frame, topic.type, topic.encoding, topic.definition});
+    of->frames.push_back({topics_.size() - 1, frame});
+    return topics_.size() - 1;
   }
 
   bool next_raw(Message* message) {
@@ -67,15 +102,20 @@ class Tidied final : public MessageStream {
     return true;
   }
 
-  /// A step back, unless it ends one stray time, and one ahead by more than any pause of a flight
-  /// (a computer that began in 1970) are made good: for all topics, by the usual interval of the
-  /// first topic that shows it.
+  /// A step back, unless it ends one stray time or the times fill a hole (a file that is not in the
+  /// order of its times), and one ahead by more than any pause of a flight (a computer that began
+  /// in 1970) are made good: for all topics, by the usual interval of the first topic that shows
+  /// it.
   void set_clock(State* of, Message* message) {
     constexpr Time kPause = std::chrono::hours(1);
     constexpr Time kFar(300'000'000);
     constexpr Time kBack(50'000'000);  // messages that are swapped are nearer
     message->received += ahead_;
-    const Time back = std::min(of->last, of->last_but_one) - message->received;
+    if (message->received - newest_ > kFar) hole_ = {newest_, message->received};
+    const bool fills = message->received > hole_.begin && message->received < hole_.end &&
+                       message->received - hole_.begin <= kFar;
+    if (fills) hole_.begin = message->received;
+    const Time back = fills ? Time(0) : std::min(of->last, of->last_but_one) - message->received;
     const bool is_back = back > kBack && (back > kFar || is_kept(message, of->last));
     const bool is_ahead = message->received - std::max(of->last, latest_) > kPause;
     if (of->count > 1 && (is_back || is_ahead)) {
@@ -85,6 +125,7 @@ class Tidied final : public MessageStream {
     }
     of->last_but_one = std::exchange(of->last, message->received);
     latest_ = message->received;
+    newest_ = std::max(newest_, latest_);
     ++of->count;
   }
 
@@ -111,7 +152,7 @@ class Tidied final : public MessageStream {
 
   /// True if a scan is complete, which replaces the message.
   bool take_point(State* of, Message* message) {
-    const auto read = ti_point(topics_[message->topic].encoding, message->data);
+    const auto read = ti_point(raw_->topics()[message->topic].encoding, message->data);
     const bool counts_on = read && read->id > of->last_point.id;
     const bool uncounted = read && read->id == 0 && of->last_point.id == 0 &&  // of all points
                            read->stamp == of->last_point.stamp && read->stamp != Time(0);
@@ -156,6 +197,11 @@ class Tidied final : public MessageStream {
   std::vector<std::uint8_t> given_;  ///< scan
   Time ahead_{0};                    ///< added to receive times
   Time latest_{0};                   ///< receive time of the message before
+  struct {
+    Time begin{0};
+    Time end{0};
+  } hole_;          ///< the last one between receive times
+  Time newest_{0};  ///< receive time so far
 };
 
 }  // namespace

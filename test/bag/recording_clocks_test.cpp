@@ -3,6 +3,7 @@
 // of a clock that runs.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <random>
 #include <string>
@@ -119,6 +120,37 @@ TEST_F(RecordingClocks, MessagesThatAreLateAndLostAreNoJump) {
   std::erase_if(messages,
                 [&](const Written& m) { return m.topic == "/radar" && random() % 5 == 0; });
   expect_not_told(read(messages), "jumps");
+}
+
+/// Half of the messages late at random, by many intervals; or blocks of the file exchanged.
+TEST_F(RecordingClocks, MessagesThatComeLateAreThoseOfTheirStamps) {
+  std::vector<Written> messages = test::at_rest(Wire::kRos1, 160);
+  const io::Dataset good = read(messages);
+  std::vector<Written> blocks = messages;
+  for (std::size_t i = 110; i < 550; i += 220) {
+    const auto begin = blocks.begin() + static_cast<std::ptrdiff_t>(i);
+    std::swap_ranges(begin, begin + 110, begin + 110);
+  }
+  std::mt19937 random(7);
+  for (std::size_t i = 11; i < messages.size(); ++i) {
+    if (random() % 2 == 0) messages[i].received += Time(random() % 600 * 1'000'000);
+  }
+  std::ranges::stable_sort(messages, {}, &Written::received);
+  for (const std::vector<Written>& of : {messages, blocks}) {
+    const io::Dataset recording = read(of);
+    expect_same(recording, good);
+    for (std::size_t i = 0; i < good.imu.size(); ++i) {
+      EXPECT_EQ(recording.imu[i].gyro_B, good.imu[i].gyro_B);
+    }
+    for (std::size_t i = 0; i < good.scans.size(); ++i) {
+      EXPECT_EQ(recording.scans[i].detections[1].range_rate,
+                good.scans[i].detections[1].range_rate);
+    }
+    expect_told(recording, "in the order of these: ");
+    expect_not_told(recording, "jumps");
+    expect_not_told(recording, "paused");
+    EXPECT_FALSE(open_recording(dir_.path() / "a", {})->outline().imu_odd);
+  }
 }
 
 TEST_F(RecordingClocks, AClockSetForwardOrAPauseIsTold) {

@@ -75,7 +75,9 @@ bool begins_as_recording(const std::filesystem::path& path);
 /// for the parts of a split recording (with metadata.yaml, or numbered) all files in turn, up to
 /// one that is missing, which damage() names; for an IMU and radars recorded apart, all at once.
 /// Compressed messages and files (zstd) are decompressed. If the clock of the recorder is set back,
-/// the receive times go on. The points of a ti_mmwave_rospkg/RadarScan are one message a scan.
+/// the receive times go on. The points of a ti_mmwave_rospkg/RadarScan are one message a scan. IMU
+/// messages or clouds of one topic with another frame_id than the first are a topic of their own,
+/// NAME@FRAME.
 /// @throws std::runtime_error if there is no such file, its format is unknown, a folder holds
 /// several recordings, or the library for it was missing at build time
 std::unique_ptr<MessageStream> open_messages(const std::filesystem::path& path);

@@ -69,9 +69,9 @@ struct RecordingRequest {
 /// of messages.hpp. Messages that cannot be decoded, scans with the stamp of the scan before, scans
 /// without a trigger and points that are not finite are dropped and counted in the notes. If the
 /// clock of the headers jumps, later headers are moved so that it goes on as the messages were
-/// received; a pause of all sensors, which may be a clock set forward, is told in the notes. Forces
-/// of an accelerometer on its own topic are not interpolated across a gap. The notes also list
-/// assignments and assumptions.
+/// received. Messages that come late are used in the order of their stamps. A pause of all sensors,
+/// which may be a clock set forward, is told in the notes. Forces of an accelerometer on its own
+/// topic are not interpolated across a gap. The notes also list assignments and assumptions.
 /// @throws std::runtime_error that lists the topics if one is missing or not unique; if the fields
 /// of the points do not fit; if no readable data are left
 io::Dataset read_recording(const std::filesystem::path& path, const RecordingRequest& request);

@@ -23,6 +23,9 @@ struct TopicSummary {
   double min_delay =
       std::numeric_limits<double>::infinity();  ///< receive - header, not of zeros [s]
   double max_delay = -std::numeric_limits<double>::infinity();
+  Time latest_stamp{0};            ///< of the headers
+  std::size_t behind = 0;          ///< headers before the latest one so far
+  double longest_behind = 0.0;     ///< [s]
   std::string frame_id;            ///< of the first message
   std::vector<PointField> fields;  ///< of the first cloud that has any
   std::size_t unreadable = 0;      ///< messages that could not be decoded
