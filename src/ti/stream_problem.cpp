@@ -72,6 +72,22 @@ bool repeats(std::string_view text, std::string_view pattern, std::size_t apart 
   return count > 2 + text.size() / apart;
 }
 
+/// What is in a TLV that holds no points, in other demos than the out-of-box one.
+struct OtherTlv {
+  std::uint32_t first;
+  std::uint32_t last;
+  const char* what;
+};
+constexpr OtherTlv kOtherTlvs[] = {
+    {1001, 1001, "heart rate"},
+    {1010, 1012, "tracked targets, of people tracking"},
+    {1021, 1021, "presence, of people tracking"},
+    {1030, 1031, "occupied zones or the kind of surface"},
+    {1040, 1041, "vital signs"},
+    {1050, 1051, "gestures"},
+    {3000, 3999, "an extension of TI's Radar Toolbox"},
+};
+
 /// @param has_tlv the packets have one for points
 /// @param unknown type of another TLV, or 0
 std::string why_no_points(bool has_tlv, std::uint32_t unknown, std::uint32_t sdk) {
@@ -82,8 +98,21 @@ std::string why_no_points(bool has_tlv, std::uint32_t unknown, std::uint32_t sdk
     return std::string(": nothing is detected, or guiMonitor does not send them (") +
            (sdk < 5 ? "-1 1 ...)" : "2 ...)");
   }
-  return ", but with TLV " + std::to_string(unknown) +
-         ": set guiMonitor to send the points, or load the out-of-box demo";
+  const auto* const other = std::find_if(
+      std::begin(kOtherTlvs), std::end(kOtherTlvs),
+      [unknown](const OtherTlv& tlv) { return unknown >= tlv.first && unknown <= tlv.last; });
+  const std::string what =
+      other == std::end(kOtherTlvs) ? "" : std::string(" (") + other->what + ")";
+  if (sdk >= 5) {
+    return ", but with TLV " + std::to_string(unknown) + what +
+           ": send the points, as TLV 1 or 301, with guiMonitor 1 ... or 2 ..., or load the "
+           "out-of-box demo (mmwave_demo) of its SDK";
+  }
+  const bool tracks = unknown > 1001 && unknown < 3000;  // these demos send TLV 1020 with them
+  return ", but with TLV " + std::to_string(unknown) + what +
+         (tracks ? ": nothing is detected (static clutter removal is on, or the scene is limited), "
+                   "or load the out-of-box demo"
+                 : ": set guiMonitor to send the points, or load the out-of-box demo");
 }
 
 /// The usual baud rates of the firmware.

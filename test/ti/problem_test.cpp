@@ -218,7 +218,11 @@ TEST(TiProblem, WhatGivesNoPointsIsNamedWithWhatToDo) {
        "nothing is detected, or guiMonitor does not send them (2 ...)"},
       {text_of(low_power(0, 1)), kFrames, "points: nothing is detected (clutter removal"},
       {text_of(packet_of(1, {})), kFrames, "points: nothing is detected (clutter removal"},
-      {silent + unknown, kFrames, "TLV 3001"},
+      {silent + unknown, kFrames, "TLV 3001 (an extension of TI's Radar Toolbox): set guiMonitor"},
+      {text_of(packet_with(kSdk36, kXwr68, 0, {{1010, Bytes(112, 1)}})), kFrames,
+       "TLV 1010 (tracked targets, of people tracking): nothing is detected"},
+      {text_of(packet_with(kSdk55, 0xA6432, 0, {{1040, Bytes(136, 1)}})), kFrames,
+       "TLV 1040 (vital signs): send the points, as TLV 1 or 301, with guiMonitor 1 ... or 2 ..."},
       {text_of(packet_of(1, infinite)), kFrames, "6 points, none of them finite"},
   };
   WrittenPacket contradicting = some_packet(1, 3);
