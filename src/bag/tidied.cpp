@@ -57,7 +57,7 @@ class Tidied final : public MessageStream {
       }
       set_clock(&of, message);
       if (of.points && !take_point(&of, message)) continue;
-      message->topic = topic_of(&of, *message);
+      message->topic = topic_of(&of, message);
       return true;
     }
     damage_ = raw_->damage();
@@ -70,27 +70,40 @@ class Tidied final : public MessageStream {
     return false;
   }
 
-  /// IMUs or radars that share a topic are told apart by their frames: the first has its name, any
-  /// other one TOPIC@FRAME.
-  std::size_t topic_of(State* of, const Message& message) {
-    constexpr std::size_t kMost = 8;  // of a driver that counts in it
-    const Topic topic = topics_[of->frames[0].topic];
-    if (!(topic.type == kImuType || is_cloud(topic.type)) || !begins_with_header(topic)) {
-      return of->frames[0].topic;
-    }
-    std::string frame;
+  /// Empty if the message has none, or cannot be read.
+  std::string frame_of(const Topic& topic, Bytes data) const {
+    if (!(topic.type == kImuType || is_cloud(topic.type)) || !begins_with_header(topic)) return {};
     try {
-      frame = decode_header(topic.encoding, message.data).frame_id;
+      return decode_header(topic.encoding, data).frame_id;
     } catch (const Damage&) {
-      return of->frames[0].topic;
+      return {};
     }
-    if (of->frames[0].frame.empty()) of->frames[0].frame = frame;
+  }
+
+  /// IMUs or radars that share a topic are told apart by their frames: the first has its name, any
+  /// other one TOPIC@FRAME. They come by turns; else one has changed its frame.
+  std::size_t topic_of(State* of, Message* message) {
+    constexpr std::size_t kMost = 8;   // of a driver that counts in it
+    constexpr std::size_t kTurns = 8;  // messages
+    const std::size_t raw = message->topic;
+    const std::string frame = frame_of(raw_->topics()[raw], message->data);
+    Framed& first = of->frames[0];
+    if (first.frame.empty()) first.frame = frame;
     for (const Framed& known : of->frames) {
       if (known.frame == frame) return known.topic;
     }
-    if (frame.empty() || of->frames.size() == kMost) return of->frames[0].topic;
+    if (frame.empty() || of->frames.size() == kMost) return first.topic;
+    bool by_turns = false;
+    std::size_t later = 0;
+    look_ahead(message, [&](const Waiting& next) {
+      const std::string other = frame_of(raw_->topics()[raw], next.data);
+      by_turns = std::ranges::any_of(of->frames, [&](const Framed& f) { return f.frame == other; });
+      return !by_turns && ++later < kTurns;
+    });
+    of->frames.push_back({by_turns ? topics_.size() : first.topic, frame});
+    if (!by_turns) return of->frames.back().topic;
+    const Topic& topic = raw_->topics()[raw];
     topics_.push_back({topic.name + "@" + frame, topic.type, topic.encoding, topic.definition});
-    of->frames.push_back({topics_.size() - 1, frame});
     return topics_.size() - 1;
   }
 
@@ -129,25 +142,32 @@ class Tidied final : public MessageStream {
     ++of->count;
   }
 
+  /// Calls use(later message of the same topic of the file) until that is false, or for some
+  /// hundred messages.
+  template <class Use>
+  void look_ahead(Message* message, const Use& use) {
+    constexpr std::size_t kMost = 256;  // of all topics
+    here_.assign(message->data.begin(), message->data.end());
+    message->data = here_;
+    for (std::size_t i = 0;; ++i) {
+      if (i == waiting_.size()) {
+        Message next;
+        if (i == kMost || !raw_->next(&next)) return;
+        waiting_.push_back({next.topic, next.received, {next.data.begin(), next.data.end()}});
+      }
+      if (waiting_[i].topic == message->topic && !use(waiting_[i])) return;
+    }
+  }
+
   /// Whether the next messages of the topic were received before `last` as well: none that was
   /// late.
   bool is_kept(Message* message, Time last) {
     constexpr std::size_t kLater = 3;
-    constexpr std::size_t kMost = 256;  // messages of all topics
-    here_.assign(message->data.begin(), message->data.end());
-    message->data = here_;
     std::size_t later = 0;
-    for (std::size_t i = 0; later < kLater; ++i) {
-      if (i == waiting_.size()) {
-        Message next;
-        if (i == kMost || !raw_->next(&next)) return false;
-        waiting_.push_back({next.topic, next.received, {next.data.begin(), next.data.end()}});
-      }
-      if (waiting_[i].topic != message->topic) continue;
-      if (waiting_[i].received + ahead_ > last) return false;
-      ++later;
-    }
-    return true;
+    look_ahead(message, [&](const Waiting& next) {
+      return next.received + ahead_ <= last && ++later < kLater;
+    });
+    return later == kLater;
   }
 
   /// True if a scan is complete, which replaces the message.

@@ -63,25 +63,6 @@ TEST_F(DriverRecording, HalvesOfAnImuAreOne) {
                "/gyro has no accelerometer, and no other topic has it");
 }
 
-TEST_F(DriverRecording, TwoImusOnOneTopicAreToldApartByTheirFrames) {
-  const std::string frame = "imu_link";
-  const auto twice = [&frame](const Written& m, Time, std::vector<Written>* out) {
-    out->push_back(m);
-    out->push_back(m);
-    out->back().received += Time(2'000'000);
-    out->back().data.replace(m.data.find(frame), frame.size(), "imu_back");
-  };
-  std::vector<Written> messages = replaced(Wire::kRos1, 40, "/imu", twice);
-  EXPECT_ERROR(read(messages),
-               "several topics of type sensor_msgs/Imu; choose with --imu (TOPIC@FRAME: those of "
-               "its messages with that frame_id):");
-  for (const char* topic : {"/imu", "/imu@imu_back"}) {
-    RecordingRequest request;
-    request.imu_topic = topic;
-    expect_same(read(messages, request), read(test::at_rest(Wire::kRos1, 40)));
-  }
-}
-
 TEST_F(DriverRecording, AnAccelerometerOnAnotherClockIsOnThatOfTheRecorder) {
   const io::Dataset good = read(halves());
   std::vector<Written> messages = halves();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Clocks that jump, topics that arrive late, stamps that are corrupt: each recording reads as one
-// of a clock that runs.
+// Clocks that jump, topics that arrive late or are shared, stamps that are corrupt: each recording
+// reads as one of a clock that runs.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -150,6 +150,35 @@ TEST_F(RecordingClocks, MessagesThatComeLateAreThoseOfTheirStamps) {
     expect_not_told(recording, "jumps");
     expect_not_told(recording, "paused");
     EXPECT_FALSE(open_recording(dir_.path() / "a", {})->outline().imu_odd);
+  }
+}
+
+TEST_F(RecordingClocks, TwoImusOnOneTopicAreToldApartByTheirFrames) {
+  const std::string frame = "imu_link";
+  const auto twice = [&frame](const Written& m, Time, std::vector<Written>* out) {
+    out->push_back(m);
+    out->push_back(m);
+    out->back().received += Time(2'000'000);
+    out->back().data.replace(m.data.find(frame), frame.size(), "imu_back");
+  };
+  std::vector<Written> messages = replaced(Wire::kRos1, 40, "/imu", twice);
+  EXPECT_ERROR(read(messages),
+               "several topics of type sensor_msgs/Imu; choose with --imu (TOPIC@FRAME: those of "
+               "its messages with that frame_id):");
+  for (const char* topic : {"/imu", "/imu@imu_back"}) {
+    RecordingRequest request;
+    request.imu_topic = topic;
+    expect_same(read(messages, request), read(test::at_rest(Wire::kRos1, 40)));
+  }
+  // one that changes its frame once, or with each message, is one
+  for (const std::size_t step : {std::size_t{200}, std::size_t{1}}) {
+    messages = test::at_rest(Wire::kRos1, 40);
+    for (std::size_t i = step; i < messages.size(); ++i) {
+      const std::size_t at = messages[i].data.find(frame);
+      const std::string other = "imu_" + std::to_string(1000 + i / step);
+      if (at != std::string::npos) messages[i].data.replace(at, frame.size(), other);
+    }
+    expect_same(read(messages), read(test::at_rest(Wire::kRos1, 40)));
   }
 }
 
