@@ -2,6 +2,7 @@
 #include "sensor_rows.hpp"
 
 #include <cmath>
+#include <limits>
 
 namespace rio::io {
 
@@ -12,6 +13,11 @@ constexpr std::size_t kRadarColumns = 7;  ///< without the sigmas of each detect
 /// A trailing column that may be missing or empty.
 double number_or_zero(const CsvReader& rows, std::size_t i) {
   return i >= rows.columns() || rows.is_empty(i) ? 0.0 : rows.number(i);
+}
+
+/// An empty cell is how spreadsheets and pandas write what is not a number.
+double number_or_nan(const CsvReader& rows, std::size_t i) {
+  return rows.is_empty(i) ? std::numeric_limits<double>::quiet_NaN() : rows.number(i);
 }
 
 bool is_empty_scan(const CsvReader& rows) {
@@ -38,8 +44,10 @@ Vector3d vector_at(const CsvReader& rows, std::size_t i) {
 bool ImuRows::next(ImuSample* sample) {
   if (!CsvReader::next()) return false;
   sample->time = Time(integer(0));
-  sample->gyro_B = vector_at(*this, 1);
-  sample->accel_B = vector_at(*this, 4);
+  for (int k = 0; k < 3; ++k) {
+    sample->gyro_B[k] = number_or_nan(*this, static_cast<std::size_t>(1 + k));
+    sample->accel_B[k] = number_or_nan(*this, static_cast<std::size_t>(4 + k));
+  }
   return true;
 }
 

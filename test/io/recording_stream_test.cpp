@@ -144,19 +144,20 @@ TEST(RecordingStream, NumbersMayBeWrittenInAnyWay) {
   write_minimal(dir);
   dir.write("imu0/data.csv",
             "100, +1,2.,.5,-0,1e5,1E5\r\n200,1e-300,2,3,1.7e308,5,123456789012345678901234567890\n"
-            "300,inf,2,3,-inf,5,6\n400,nan,2,3,4,5,6");
+            "300,inf,2,3,-inf,5,6\n350,,2,3,4,5,\n400,nan,2,3,4,5,6");
   dir.write("radar0/data.csv", "150,1,2,3,-0.5\n150,1e-3,+2,3,.5\n160,,,,\n170,nan,2,3,-inf\n");
   const auto stream = open_dataset(dir.path());
   const Dataset all = read_dataset(dir.path());
   expect_same(collect(stream.get()), all);
-  ASSERT_EQ(all.imu.size(), 4U);
+  ASSERT_EQ(all.imu.size(), 5U);
   EXPECT_EQ(all.imu[0].gyro_B, Vector3d(1, 2, 0.5));
   EXPECT_EQ(all.imu[2].gyro_B.x(), INFINITY);
   EXPECT_EQ(all.imu[2].accel_B.x(), -INFINITY);
-  EXPECT_TRUE(std::isnan(all.imu[3].gyro_B.x()));
+  EXPECT_TRUE(std::isnan(all.imu[3].gyro_B.x()) && std::isnan(all.imu[3].accel_B.z()));  // empty
+  EXPECT_TRUE(std::isnan(all.imu[4].gyro_B.x()));
   EXPECT_EQ(all.scans[0].detections[0].snr_db, 0.0);  // may be missing
   ASSERT_FALSE(all.notes.empty());
-  EXPECT_PRED2(test::contains, all.notes[0], "data.csv:3: not finite, the first of 2");
+  EXPECT_PRED2(test::contains, all.notes[0], "data.csv:3: not finite, the first of 3");
 }
 
 /// Of the long one there are more values than are kept: it is read off the file again.
