@@ -41,25 +41,6 @@ std::optional<Finding> check_lever_arm(const Vector3d& p) {
                  "the translation of T_BS is in metres: is this one in mm or cm?"};
 }
 
-/// Empty unless the velocities of the scans need elevations counted from the other end.
-std::optional<Finding> check_elevations(const Scans& scans, const std::vector<RadarSpeed>& speeds,
-                                        const Options& read, const Advice& advice) {
-  constexpr double kMost = 0.5;  // of the scans agree on a velocity: then they are right
-  const auto share = [&scans](std::size_t n) {
-    return static_cast<double>(n) / static_cast<double>(scans.size());
-  };
-  if (share(speeds.size()) > kMost) return std::nullopt;
-  const double other = share(radar_speeds(from_zenith(scans), read).size());
-  if (other < kMost) return std::nullopt;
-  return Finding{Verdict::kWrong, "elevation",
-                 fmt::format("{:.0f} % of the scans agree on a velocity, and {:.0f} % with "
-                             "elevations counted from the zenith",
-                             100.0 * share(speeds.size()), 100.0 * other),
-                 std::string(advice.bag() ? "in the driver, or in the files of `rio convert`"
-                                          : "in " + advice.csv()) +
-                     ": elevations are 90 deg less the angle from the zenith"};
-}
-
 /// How to get stamps in ns, if those of the IMU are in this unit [ns].
 std::string other_stamps(double unit, const Scans& scans, Source source) {
   const bool all = stamp_unit(scans) != 1.0;
@@ -150,13 +131,20 @@ Findings check_one_radar(const CheckedImu& imu, const Scans& recorded,
   const Findings alone =
       check_radar(scans, info, speeds, imu, options, advice, folder / advice.csv());
   append(alone);
-  if (const auto elevations = check_elevations(scans, speeds, read, advice)) {
+  if (const auto elevations = check_elevations(scans, advice)) {
     out.push_back(*elevations);
     return out;
   }
   say_steps(steps, recorded, "scan", "radar", &out);
-  if (!has_sound_basis(alone)) return out;
+  if (!has_sound_basis(alone)) {  // beyond the limit points have no velocity
+    const auto follows = [](const Finding& f) {
+      return f.subject == "points" && f.verdict == Verdict::kDoubtful;
+    };
+    std::erase_if(out, follows);
+    return out;
+  }
   if (const auto repeated = check_repeated(scans)) out.push_back(*repeated);
+  if (const auto origin = check_origin(scans, advice)) out.push_back(*origin);
   const RangeCheck ranges = check_ranges(scans, options, advice);
   out.push_back(ranges.finding);
   if (!imu.check.integrable) return out;

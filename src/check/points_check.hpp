@@ -10,6 +10,10 @@
 // (E3) two hypotheses are compared by the pairs that fit only one of them: in each block of two
 //      seconds by the difference of their counts, over all blocks by Student's t of these, whatever
 //      the dependence of pairs of the same points
+//
+// Directions must be those from the radar. With points moved by o the Doppler of a static one is
+// (E4) d = -v^T (p - o) / |p - o|, v of each scan and o of all by least squares: o is far from zero
+//      if the driver gives the points in the frame of the vehicle.
 #pragma once
 
 #include <optional>
@@ -33,6 +37,14 @@ struct RangeCheck {
 
 /// Sign and unit of the Doppler by (E1).
 RangeCheck check_ranges(const Scans& scans, const Options& options, const Advice& advice);
+
+/// Whether the points are counted from another place than the radar, by (E4), subject "origin of
+/// the points"; empty if not. Less than some decimetres do not show, and nothing at rest.
+std::optional<Finding> check_origin(const Scans& scans, const Advice& advice);
+
+/// Whether elevations are counted from the zenith, subject "elevation"; empty if not. The residuals
+/// of (E4) with o = 0 tell, those of points that move count little.
+std::optional<Finding> check_elevations(const Scans& scans, const Advice& advice);
 
 /// Whether the gyro is in deg/s by (E2), subject "gyro unit by the points"; empty if it is not.
 /// The rates as configured may fit with any mounting and handedness by right angles.
