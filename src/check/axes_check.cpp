@@ -234,17 +234,23 @@ Finding check_axes(const Judge& judge, const Axes& found, const std::vector<Axes
     out.change = judge.advice.negate_doppler() + ", or look at the axes of the points";
     return out;
   }
+  const DopplerSign sign = judge.data.doppler_sign;
   for (const Axes& axes : alike) {
-    const auto imu_axes =
-        judge.advice.imu_axes(axes.R * judge.configured.transpose(), judge.data.up);
-    if (!imu_axes || !judge.advice.bag()) continue;
+    const Matrix3d turn = axes.R * judge.configured.transpose();
+    const auto imu_axes = judge.advice.imu_axes(turn, judge.data.up);
+    if (!imu_axes) continue;
     out.text += fmt::format(", and {:.0f} % if the IMU is in {}, as its gravity also shows",
                             100.0 * judge.all.explained(axes.R), *imu_axes);
+    if (!judge.advice.bag()) {  // the lever arm is turned, too
+      Options turned = judge.options;
+      turned.radar.T_BS.translation = turn * turned.radar.T_BS.translation;
+      out.change = change_of(judge.configured, with_error(judge, axes), sign, turned, judge.advice);
+      return out;
+    }
     out.change = "--imu-axes " + *imu_axes;
     if (*imu_axes == "frd") out.change += " (flu, if they are turned from frd already)";
     return out;
   }
-  const DopplerSign sign = judge.data.doppler_sign;
   out.text +=
       fmt::format(", and {:.0f} % if {}", 100.0 * best, describe(judge.configured, found, sign));
   for (std::size_t i = 1; i < std::min<std::size_t>(alike.size(), 4); ++i) {

@@ -20,20 +20,23 @@ constexpr double kLeast = 10.0;  // in all windows together [s]
 constexpr std::array kLengths = {kShortestWindow, 2.0 * kShortestWindow, 4.0 * kShortestWindow};
 
 // The delay of the stamps of the radar, by the shift with which the motion of radar and IMU agrees
-// best: every 20 ms up to 0.28 s to both sides of the configured delay, and up to four seconds
-// where these are not enough.
+// best: every 20 ms up to 0.28 s to both sides of the configured delay, and up to ten seconds
+// where these are not enough or the best of them is no small one.
 
 constexpr double kShiftStep = 0.02;  // [s]
 constexpr int kShifts = 14;          // to each side; below kMostShift
 
 /// The largest share (E4) of motion.hpp with the axes of any of the candidates() that the sign of
 /// the Doppler allows.
-double most_explained(const Agreement& windows, const Options& options, DopplerSign sign) {
+/// @param best these axes, if not null
+double most_explained(const Agreement& windows, const Options& options, DopplerSign sign,
+                      Matrix3d* best = nullptr) {
   const Matrix3d configured = options.radar.T_BS.rotation.toRotationMatrix();
   double most = 0.0;
   for (const Axes& axes : candidates(options.radar.T_BS.rotation)) {
-    if (!allowed(axes, configured, sign)) continue;
-    most = std::max(most, windows.explained(axes.R));
+    if (!allowed(axes, configured, sign) || windows.explained(axes.R) <= most) continue;
+    most = windows.explained(axes.R);
+    if (best != nullptr) *best = axes.R;
   }
   return most;
 }
@@ -118,27 +121,32 @@ Finding check_delay(const std::vector<Agreement>& shifts, const Matrix3d& R, con
   return out;
 }
 
+/// The windows for the shifts around one of all stamps of the radar [s].
+std::vector<Agreement> all_shifts_around(double middle, const MotionData& data, double length,
+                                         const RadarOptions& radar) {
+  std::vector<RadarSpeed> moved = data.speeds;
+  for (RadarSpeed& speed : moved) speed.time += from_seconds(middle);
+  return all_shifts({data.samples, moved, data.gyro_unit, data.accel_unit}, length, radar);
+}
+
 /// A delay beyond those of check_delay(), with which radar and IMU agree at last; empty if there is
-/// none.
-/// @param near explained at most with the configured one
+/// none, or it may be longer than all that are tested.
+/// @param near explained with one of those, which it must beat
 std::optional<Finding> check_far_delay(const MotionData& data, double length, double near,
                                        const Options& options, const Advice& advice) {
-  constexpr double kFarthest = 4.0;                        // [s]
+  constexpr double kFarthest = 10.0;                       // [s]
   constexpr double kCovered = 2.0 * kShifts * kShiftStep;  // by all_shifts() [s]
-  constexpr double kSure = 5.0;                            // the best of 400 [sigmas]
+  constexpr double kSure = 5.0;                            // the best of 1000 [sigmas]
   double most = kExplained;
   double delay = 0.0;
-  std::vector<RadarSpeed> moved = data.speeds;
+  Matrix3d R = Matrix3d::Identity();
   for (double middle = -kFarthest; middle <= kFarthest; middle += kCovered) {
-    for (std::size_t i = 0; i < moved.size(); ++i) {
-      moved[i].time = data.speeds[i].time + from_seconds(middle);
-    }
-    const MotionData there{data.samples, moved, data.gyro_unit, data.accel_unit};
-    const std::vector<Agreement> shifts = all_shifts(there, length, options.radar);
+    const std::vector<Agreement> shifts = all_shifts_around(middle, data, length, options.radar);
     for (std::size_t i = 0; i < shifts.size(); ++i) {
       const Agreement& windows = shifts[i];
       const double moved_by = middle + kShiftStep * (static_cast<double>(i) - kShifts);
-      const double explained = most_explained(windows, options, data.doppler_sign);
+      Matrix3d best;
+      const double explained = most_explained(windows, options, data.doppler_sign, &best);
       if (windows.windows < kFewestWindows || explained <= most ||
           std::abs(moved_by) < 0.5 * kCovered ||
           significance(near, explained, windows.windows) < kSure) {
@@ -146,15 +154,19 @@ std::optional<Finding> check_far_delay(const MotionData& data, double length, do
       }
       most = explained;
       delay = moved_by;
+      R = best;
     }
   }
   if (delay == 0.0) return std::nullopt;
+  // the largest share is near the least residual, which is that of the delay
+  delay += best_shift(all_shifts_around(delay, data, length, options.radar), R).seconds;
+  if (std::abs(delay) > kFarthest) return std::nullopt;
   return Finding{Verdict::kWrong, "delay of the radar",
-                 fmt::format("radar and IMU agree only with the radar's stamps moved by {:+.2f} s, "
+                 fmt::format("radar and IMU agree only with the radar's stamps moved by {:+.3f} s, "
                              "then in {:.0f} % of the movement",
                              delay, 100.0 * most),
                  advice.bag()
-                     ? fmt::format("--radar-offset \"{:+.2f} s\"", delay)
+                     ? fmt::format("--radar-offset \"{:+.3f} s\"", delay)
                      : fmt::format("add {:.0f} to the stamps of {}", 1e9 * delay, advice.csv())};
 }
 
@@ -234,8 +246,12 @@ Findings check_motion(const MotionData& data, const Options& options, const Advi
     Findings found = check_in_windows({data, windows, length, seen, advice}, shifts, &at_end);
     const bool told = found.size() > 1 || found.front().verdict == Verdict::kWrong;
     const bool unexplained = !told && found.front().verdict == Verdict::kDoubtful;
-    if (at_end || (first.empty() && unexplained)) {
-      const double near = most_explained(shifts[kShifts], seen, data.doppler_sign);
+    // a delay may be a lesser maximum beside the right one
+    const bool is_late = !at_end && told && found.back().subject == "delay of the radar" &&
+                         found.back().verdict == Verdict::kWrong;
+    if (at_end || is_late || (first.empty() && unexplained)) {
+      const std::vector<double> most = most_explained(shifts, seen, data.doppler_sign);
+      const double near = is_late ? std::ranges::max(most) : most[kShifts];
       if (const auto delay = check_far_delay(data, length, near, seen, advice)) return {*delay};
     }
     if (told) return found;

@@ -143,24 +143,6 @@ TEST(RadarCauses, MoversAreNeitherTheRadarNorAHighThreshold) {
                {tracks, "points", Verdict::kDoubtful, "", "most points move"}});
 }
 
-TEST(RadarCauses, ADelayHasOneProposal) {
-  io::Dataset dataset = flight();
-  delay_scans(&dataset, 0.066);
-  const Finding finding = said(dataset, "delay of the radar");
-  EXPECT_TRUE(finding.change.starts_with("radar: {time_offset: 0.0")) << finding.change;
-  EXPECT_FALSE(contains(finding.change, "--radar-offset")) << finding.change;
-  delay_scans(&dataset, 0.24);  // longer than those that are tested first
-  expect(said(dataset, "delay of the radar"), Verdict::kWrong, "moved by -0.3", "--radar-offset");
-}
-
-TEST(RadarCauses, TheNoiseOfASlowRadarIsNoDelay) {
-  sim::Scenario scenario;
-  scenario.path.length = 200.0;
-  scenario.path.ground = true;
-  scenario.radar.T_BS = {quaternion_exp(Vector3d(0.0, 0.25 * kHalfTurn, 0.0)), {0.4, 0.0, 0.3}};
-  expect_ok(flown(scenario));
-}
-
 TEST(RadarCauses, PointsInOtherKnownAxesNeedNoMounting) {
   // forward left up, read as if they were those of the chip
   io::Dataset dataset = with_detections([](RadarDetection& d) {
