@@ -6,7 +6,9 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "check/check.hpp"
@@ -46,16 +48,21 @@ inline io::Dataset flown(const sim::Scenario& scenario, const sim::Flight& fligh
 inline io::Dataset flown(const sim::Scenario& scenario) {
   return flown(scenario, sim::simulate_flight(scenario));
 }
-inline io::Dataset flown(const std::string& name, double length) {
-  sim::Scenario scenario = scenario_named(name);
-  scenario.path.length = length;
-  return flown(scenario);
+/// Each is flown once for all tests.
+inline const io::Dataset& flown(const std::string& name, double length) {
+  static std::map<std::pair<std::string, double>, io::Dataset> flights;
+  const auto [at, is_new] = flights.try_emplace({name, length});
+  if (is_new) {
+    sim::Scenario scenario = scenario_named(name);
+    scenario.path.length = length;
+    at->second = flown(scenario);
+  }
+  return at->second;
 }
 
 /// One with which nothing is wrong.
 inline const io::Dataset& flight() {
-  static const io::Dataset kFlight = flown("indoor-1", 50.0);
-  return kFlight;
+  return flown("indoor-1", 50.0);
 }
 
 /// The stamps of the items from `first` on are off by a step [s].

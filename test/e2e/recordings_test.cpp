@@ -158,16 +158,17 @@ TEST_P(Kart, FindsItsWay) {
 }
 
 // Four drives hang on the seed of the RANSAC: median height of the filter 1.42 % with the first
-// seed, 1.25 % over eight.
+// seed, 1.25 % over eight. It scatters by 0.21 % with one seed, 0.14 % with four, 0.13 % with
+// eight; the window takes eight times as long.
 TEST_P(Kart, TwoRadarsOfADriveAreBetterThanOne) {
-  constexpr int kSeeds = 8;
+  const int seeds = GetParam() == BackEnd::kEkf ? 8 : 4;
   if (folder_.empty()) GTEST_SKIP() << kNoRealData;
   const std::vector<experiment::Recording> recordings = experiment::find_recordings(folder_);
   for (std::size_t i = 0; i + 1 < recordings.size(); i += 2) {  // NAME_A, NAME_B
     experiment::Recording both = recordings[i];
     const io::Dataset& other = recordings[i + 1].data;
     both.data.other_radars.push_back({other.scans, other.radar_info});
-    ASSERT_NO_FATAL_FAILURE(fly(both, kSeeds));
+    ASSERT_NO_FATAL_FAILURE(fly(both, seeds));
   }
   // one radar: 1.3 and 1.0 to 1.1
   expect_below("both radars: horizontal, median [%]", median(horizontal_), 1.0);

@@ -6,8 +6,11 @@
 
 #include <cmath>
 #include <functional>
+#include <map>
 #include <numbers>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "rio/core/so3.hpp"
 #include "support/measured.hpp"
@@ -48,6 +51,14 @@ struct Found {
     for (int i = begin; i < end; ++i) EXPECT_LT(std::abs(error[i]), 3.0 * sigma(i)) << i;
   }
 };
+
+/// The first 25 s of a scenario; each is flown once for all tests.
+const sim::Flight& first_seconds(const std::string& name, std::uint64_t seed) {
+  static std::map<std::pair<std::string, std::uint64_t>, sim::Flight> flights;
+  const auto [at, is_new] = flights.try_emplace({name, seed});
+  if (is_new) at->second = short_flight(name, 25.0, seed);
+  return at->second;
+}
 
 Options options_of(const sim::Flight& flight, const Pose& configured) {
   const sim::RadarModel& radar = flight.scenario.radar;
@@ -109,7 +120,7 @@ Pose turned(const Pose& mounting, double angle, const Vector3d& axis) {
 }
 
 TEST(MountingSearch, FindsAMountingTurnedByAnyAngle) {
-  const sim::Flight flight = short_flight("indoor-1", 25.0, 3);
+  const sim::Flight& flight = first_seconds("indoor-1", 3);
   const Pose truth = flight.scenario.radar.T_BS;
   for (const double angle : {0.0, 30.0, 90.0, 150.0, 180.0}) {
     for (const Vector3d& axis : {Vector3d(1, 0, 0), Vector3d(0, 1, 0), Vector3d(1, -2, 3)}) {
@@ -138,7 +149,7 @@ TEST(MountingSearch, ErrorsOfAnImuAreWithinTheCovariance) {
   double motion = 0.0;
   constexpr int kFlights = 12;
   for (std::uint64_t seed = 1; seed <= kFlights; ++seed) {
-    const sim::Flight flight = short_flight("indoor-1", 25.0, seed);
+    const sim::Flight& flight = first_seconds("indoor-1", seed);
     sim::Random random(seed);
     Drift drift;
     for (int i = 0; i < 3; ++i) {
@@ -165,7 +176,7 @@ TEST(MountingSearch, NoisyVelocitiesDoNotTurnIt) {
   double pitch = 0.0;
   constexpr int kFlights = 12;
   for (std::uint64_t seed = 1; seed <= kFlights; ++seed) {
-    const sim::Flight flight = short_flight("outdoor", 25.0, seed);
+    const sim::Flight& flight = first_seconds("outdoor", seed);
     const auto found = search(flight, Pose{});
     ASSERT_TRUE(found) << seed;
     pitch += found->error[1] / found->sigma(1) / kFlights;
@@ -175,7 +186,7 @@ TEST(MountingSearch, NoisyVelocitiesDoNotTurnIt) {
 }
 
 TEST(MountingSearch, WhatTheImuKnowsBestStaysSo) {
-  const sim::Flight flight = short_flight("outdoor", 25.0, 1);
+  const sim::Flight& flight = first_seconds("outdoor", 1);
   Drift drift;
   drift.sigma_velocity = 0.2;
   constexpr double kVertical = 1e-3;
@@ -193,7 +204,7 @@ TEST(MountingSearch, WhatTheImuKnowsBestStaysSo) {
 // Flights that begin with a climb of five seconds, which does not show the heading of the radar.
 TEST(MountingSearch, WhatAClimbDoesNotShowIsAwaited) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    const sim::Flight flight = short_flight("outdoor", 25.0, seed);
+    const sim::Flight& flight = first_seconds("outdoor", seed);
     const Pose truth = flight.scenario.radar.T_BS;
     const auto found = search(flight, turned(truth, 90.0 * kDegree, {1, -2, 3}));
     ASSERT_TRUE(found) << seed;
@@ -234,7 +245,7 @@ TEST(MountingSearch, ADriveOnLevelGroundIsNotUpsideDown) {
 }
 
 TEST(MountingSearch, ACorrectedVelocityNeedsARestart) {
-  const sim::Flight flight = short_flight("indoor-1", 25.0, 3);
+  const sim::Flight& flight = first_seconds("indoor-1", 3);
   const Pose configured = turned(flight.scenario.radar.T_BS, 2.0, {1, 2, 3});
   Drift drift;
   drift.sigma_velocity = 1.0;
