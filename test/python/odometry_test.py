@@ -25,19 +25,27 @@ def fly(odometry, flight, until=10**19):
 def test_each_scan_is_told_with_all_that_a_replay_has(flight):
     replayed = rio.replay(flight, init="static")
     odometry = rio.Odometry(sensors=flight)
+    states = []
     seen = []
 
     def look(told):
         assert told is odometry
         report = told.report()
-        seen.append((report.time, told.at_scan().position, told.points(), told.landmarks(), report))
+        state = told.at_scan()
+        states.append((state.time, state.position, state.orientation, state.velocity, told.covariance()))
+        seen.append((report.time, told.points(), told.landmarks(), report))
 
     odometry.on_scan(look)
     fly(odometry, flight)
     assert [s[0] for s in seen] == replayed.scans["time"].tolist()
-    assert np.array_equal([s[1] for s in seen], replayed.positions)
-    assert np.array_equal(np.concatenate([s[2] for s in seen]), replayed.points)
-    assert np.array_equal(np.concatenate([s[3] for s in seen]), replayed.landmark_states)
+    of_replay = (replayed.times, replayed.positions, replayed.orientations, replayed.velocities, replayed.covariances)
+    assert all(np.array_equal(own, other) for own, other in zip(zip(*states), of_replay))
+    assert np.array_equal(np.concatenate([s[1] for s in seen]), replayed.points)
+    assert np.array_equal(np.concatenate([s[2] for s in seen]), replayed.landmark_states)
+    assert odometry.health().state == "ok" and odometry.health().reasons == {}
+    assert odometry.report().models["doppler"]["rows_used"] > 0
+    assert odometry.report().innovations["nis"].shape == (len(odometry.report().innovations),)
+    assert odometry.now().time >= odometry.at_scan().time
     for row, (*_, report) in zip(replayed.scans, seen):
         assert list(report.calibration) == list(rio.CALIBRATION)
         values = [report.calibration[name] for name in rio.CALIBRATION]

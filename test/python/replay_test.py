@@ -121,28 +121,6 @@ def test_sensor_files_without_a_mounting_are_told(flight, tmp_path):
         rio.Odometry(sensors=tmp_path)
 
 
-def test_call_by_call_equals_the_replay(flight):
-    replayed = rio.replay(flight, init="static")
-    odometry = rio.Odometry(sensors=flight)
-    at_scans = {}
-    scans = scans_of(flight)
-    for time, values in rows_of(flight / "imu0/data.csv"):
-        while scans and scans[0][0] < time:
-            odometry.add_scan(*scans.pop(0))
-        odometry.add_imu(time, values[:3], values[3:])
-        if odometry.counters()["scans"] > len(at_scans):
-            state = odometry.at_scan()
-            at_scans[state.time] = (state.position, state.orientation, odometry.covariance())
-    assert list(at_scans) == replayed.times.tolist()
-    assert np.array_equal([s[0] for s in at_scans.values()], replayed.positions)
-    assert np.array_equal([s[1] for s in at_scans.values()], replayed.orientations)
-    assert np.array_equal([s[2] for s in at_scans.values()], replayed.covariances)
-    assert odometry.health().state == "ok" and odometry.health().reasons == {}
-    assert odometry.report().models["doppler"]["rows_used"] > 0
-    assert odometry.report().innovations["nis"].shape == (len(odometry.report().innovations),)
-    assert odometry.now().time >= odometry.at_scan().time
-
-
 def rows_of(file):
     """(time, numbers) of each row; that of a scan without points has no numbers."""
     for line in file.read_text().splitlines()[1:]:
