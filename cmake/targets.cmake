@@ -31,6 +31,7 @@ function(rio_library_target target)
   set_target_properties(${target} PROPERTIES
     CXX_STANDARD 20 CXX_STANDARD_REQUIRED ON CXX_EXTENSIONS OFF
     POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+  target_compile_options(${target} PRIVATE -fno-fast-math)  # NaN and infinity have meanings
   if(RIO_NATIVE)  # public: Eigen aligns its types by it
     target_compile_options(${target} PUBLIC -march=native)
   else()  # the same bits on every processor, also where multiply-add is one instruction

@@ -129,7 +129,10 @@ class RIO_API Odometry {
   /// How far the estimate can be trusted, and why: evaluated at every scan, and at least 20 times a
   /// second while IMU samples arrive. report().health is that of the last scan.
   const Health& health() const noexcept;
+  /// Radars of the options.
+  std::size_t radars() const noexcept;
   /// Pose of a radar in the body frame: the estimate, or the option's value if it is not estimated.
+  /// Of the last one if there is no such radar.
   const Pose& extrinsics(std::size_t radar = 0) const noexcept;
   /// Value and covariance (column by column) of a declared auxiliary state at the last update;
   /// false before the start, for none of that name and index, and for a delayed one that is not
@@ -148,8 +151,8 @@ class RIO_API Odometry {
 
   /// From now on `call` is called for every scan that was processed, within the call that did it,
   /// when at_scan(), covariance(), report() and points() are of that scan: with several radars one
-  /// call may process several. It must not throw, nor add anything to this estimator. It stays
-  /// over reset(); an empty function ends it.
+  /// call may process several. It must not throw, nor add anything to this estimator or reset it.
+  /// It stays over reset(); an empty function ends it.
   void on_scan(std::function<void()> call) noexcept;
 
   struct Impl;  ///< private implementation

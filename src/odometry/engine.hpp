@@ -35,7 +35,7 @@ class Engine final : public Odometry::Impl {
         moving_start_(o.start, o.imu.gravity),
         restart_(o.start, o.imu),
         scans_(options_) {
-    for (std::size_t r = 0; r < o.radars(); ++r) extrinsics[r] = o.mount(r).T_BS;
+    for (std::size_t r = 0; r < o.radars(); ++r) (void)extrinsics.push_back(o.mount(r).T_BS);
     landmarks_.reserve(kMaxLandmarks);
   }
 
@@ -140,9 +140,9 @@ class Engine final : public Odometry::Impl {
   }
 
   bool auxiliary(const char* name, int index, double* value, double* P) const override {
-    const int first = options_.auxiliary.find(name, index);
+    int size = 0;
+    const int first = options_.auxiliary.find(name, index, &size);
     if (!initialized || first < 0 || pipeline_.auxiliary_is_unknown(first)) return false;
-    const int size = options_.auxiliary.size_of(name);
     const StateEstimate& state_estimate = pipeline_.backend().state_estimate();
     const int at = state_estimate.layout().auxiliary() + first;
     Eigen::Map<Eigen::VectorXd>(value, size) =

@@ -63,6 +63,9 @@ const BodyCovariance& Odometry::covariance_now() const noexcept {
 const Health& Odometry::health() const noexcept {
   return impl_->health();
 }
+std::size_t Odometry::radars() const noexcept {
+  return impl_->extrinsics.size();
+}
 const Pose& Odometry::extrinsics(std::size_t radar) const noexcept {
   return impl_->extrinsics[std::min(radar, impl_->extrinsics.size() - 1)];
 }

@@ -2,7 +2,6 @@
 // The hidden part of the odometry API.
 #pragma once
 
-#include <array>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -29,7 +28,7 @@ struct Odometry::Impl {
   virtual const BodyCovariance& covariance_now() = 0;
 
   BodyCovariance covariance = BodyCovariance::Zero();
-  std::array<Pose, 1 + Options::kMaxOtherRadars> extrinsics;
+  StaticVector<Pose, 1 + Options::kMaxOtherRadars> extrinsics;  ///< of the radars of the options
   Counters counters;
   bool initialized = false;
   std::function<void()> on_scan;  ///< after a scan was processed; may be empty

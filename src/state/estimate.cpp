@@ -5,6 +5,10 @@
 
 namespace rio {
 
+template <int kBytes>
+void is_aligned_as_in_the_library() {}
+template void is_aligned_as_in_the_library<EIGEN_MAX_STATIC_ALIGN_BYTES>();
+
 int Estimate::find_clone(ScanId scan) const {
   for (std::size_t i = 0; i < clones.size(); ++i) {
     if (clones[i].scan == scan) return static_cast<int>(i);

@@ -183,6 +183,10 @@ TEST_P(AidingTest, WhatIsRefusedSaysWhy) {
   const Time now = odometry->at_scan().time;
   EXPECT_EQ(odometry->add_measurement({now, HeightModel{}, {1.0, 1.0}}), Status::kUndeclared);
   EXPECT_FALSE(auxiliary<HeightOffset>(*odometry));
+  AuxiliaryState of_another = auxiliary_state<HeightOffset>();
+  of_another.size = 3;  // the same name
+  ASSERT_TRUE(o.auxiliary.declare(of_another));
+  EXPECT_FALSE(AidingMeasurement(now, HeightModel{}, {1.0, 1.0}).is_declared(o.auxiliary));
   const AidingMeasurement no_such_radar(now, PositionModel{}, {}, o.radars());
   EXPECT_EQ(odometry->add_measurement(no_such_radar), Status::kUndeclared);
   const auto position_at = [this](Time time) {

@@ -156,6 +156,7 @@ TEST_P(RadarsTest, EachHasItsOwnMounting) {
   const auto both = flights(4, kFrontAndDown,
                             [](sim::Scenario& o, std::size_t) { o.errors.extrinsic_angle = 0.05; });
   fly(both);
+  EXPECT_EQ(odometry->radars(), both.size());
   for (std::size_t r = 0; r < both.size(); ++r) {
     const Pose& truth = both[r].scenario.radar.T_BS;
     const auto off = [&truth](const Pose& T) {

@@ -14,6 +14,15 @@ run(${CMAKE_COMMAND} -S ${SOURCE}/test/package/consumer -B ${WORK}/build
   -DEXAMPLES=${SOURCE}/src/examples)
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${WORK}/build/link)
+# a program of rio::core with another layout of its state does not link
+execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE}/test/package/consumer -B ${WORK}/aligned
+  -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_CXX_COMPILER=${COMPILER}
+  "-DCMAKE_CXX_FLAGS=${FLAGS} -DEIGEN_MAX_ALIGN_BYTES=0" -DEXAMPLES=${SOURCE}/src/examples OUTPUT_QUIET)
+execute_process(COMMAND ${CMAKE_COMMAND} --build ${WORK}/aligned --target own_back_end RESULT_VARIABLE result
+  OUTPUT_VARIABLE output ERROR_VARIABLE output)
+if(result EQUAL 0 OR NOT output MATCHES "is_aligned_as_in_the_library<0>")
+  message(FATAL_ERROR "rio::core links with another alignment of Eigen:\n${output}")
+endif()
 run(${WORK}/build/driver)
 run(${WORK}/build/autopilot)
 run(${WORK}/build/core)

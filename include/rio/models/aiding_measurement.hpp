@@ -71,8 +71,11 @@ class AidingMeasurement {
       int length = 0;
     };
     int count = 0;
-    Eigen::Matrix<double, kMaxRows, 1> r = Eigen::Matrix<double, kMaxRows, 1>::Zero();
-    Eigen::Matrix<double, kMaxRows, kColumns> J = Eigen::Matrix<double, kMaxRows, kColumns>::Zero();
+    // filled by the compiler flags of the user, read by those of the library
+    template <int kWidth>
+    using Matrix = Eigen::Matrix<double, kMaxRows, kWidth, Eigen::DontAlign>;
+    Matrix<1> r = Matrix<1>::Zero();
+    Matrix<kColumns> J = Matrix<kColumns>::Zero();
     StaticVector<Segment, static_cast<std::size_t>(kMostSegments)>
         segments;  ///< where the columns after kBody belong
   };
@@ -154,11 +157,13 @@ class AidingMeasurement {
                                      : std::is_same_v<Block, GyroBias>     ? body::kGyroBias
                                                                            : -1;
 
-  /// First element among the auxiliary states, -1 if it is not declared or another block.
+  /// First element among the auxiliary states, -1 if it is not declared so, or another block.
   template <class Block>
   static int element([[maybe_unused]] const AuxiliaryStates& states, [[maybe_unused]] int index) {
     if constexpr (kIsAuxiliary<Block>) {
-      return states.find(Block::kName, Block::kIndexed ? index : 0);
+      int size = 0;
+      const int first = states.find(Block::kName, Block::kIndexed ? index : 0, &size);
+      if (size == Block::kDof) return first;
     }
     return -1;
   }

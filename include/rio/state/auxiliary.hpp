@@ -42,7 +42,7 @@ AuxiliaryState auxiliary_state(int index = 0) {
 inline constexpr int kMaxAuxiliary = 36;
 
 /// Values of all states in the order of declaration; unused elements at the end are 0.
-using AuxiliaryValues = Eigen::Matrix<double, kMaxAuxiliary, 1>;
+using AuxiliaryValues = Eigen::Matrix<double, kMaxAuxiliary, 1, Eigen::DontAlign>;
 
 /// All auxiliary states of an estimator, one after the other.
 class AuxiliaryStates {
@@ -76,21 +76,17 @@ class AuxiliaryStates {
   }
 
   /// First element of the state of that name and index, -1 if it is not declared.
-  int find(const char* name, int index = 0) const {
+  /// @param size if given, its elements
+  int find(const char* name, int index = 0, int* size = nullptr) const {
     int first = 0;
     for (const AuxiliaryState& state : states_) {
-      if (state.index == index && std::strcmp(state.name, name) == 0) return first;
+      if (state.index == index && std::strcmp(state.name, name) == 0) {
+        if (size != nullptr) *size = state.size;
+        return first;
+      }
       first += state.size;
     }
     return -1;
-  }
-
-  /// Elements of a declared state of that name.
-  int size_of(const char* name) const {
-    return std::find_if(
-               begin(), end(),
-               [name](const AuxiliaryState& state) { return std::strcmp(state.name, name) == 0; })
-        ->size;
   }
 
   /// Of all states, in the order of declaration.

@@ -21,6 +21,13 @@ inline constexpr std::size_t kMaxClones = 20;
 inline constexpr std::size_t kMaxLandmarks = 64;
 inline constexpr std::size_t kMaxDetections = 1024;
 
+/// Eigen aligns the state by -march and EIGEN_MAX_ALIGN_BYTES: with those of another build of the
+/// library it has other layouts, and the program does not link.
+template <int kBytes>
+void is_aligned_as_in_the_library();
+[[gnu::used]] static void (*const kAlignedAsTheLibrary)() =
+    &is_aligned_as_in_the_library<EIGEN_MAX_STATIC_ALIGN_BYTES>;
+
 /// Radars on one body.
 inline constexpr std::size_t kMaxRadars = 1 + Options::kMaxOtherRadars;
 
