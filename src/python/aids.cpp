@@ -12,7 +12,8 @@ namespace rio::python {
 
 namespace {
 
-using GivenMatrix = Eigen::Ref<const Eigen::MatrixXd>;
+using GivenVector = Given<Vector3d>;
+using GivenMatrix = Given<Eigen::MatrixXd>;
 
 double positive(const char* name, double value) {
   if (value > 0.0 && std::isfinite(value)) return value;
@@ -29,7 +30,7 @@ const Vector3d& finite(const char* name, const Vector3d& value) {
   throw py::value_error(std::string(name) + ": three finite numbers are expected");
 }
 
-Matrix3d definite(const GivenMatrix& covariance) {
+Matrix3d definite(const Eigen::MatrixXd& covariance) {
   if (covariance.rows() == 3 && covariance.cols() == 3 && is_definite(Matrix3d(covariance))) {
     return covariance;
   }
@@ -43,8 +44,8 @@ Status add(Odometry& odometry, std::int64_t time, const typename Model::Measurem
   });
 }
 
-Status add_position(Odometry& o, std::int64_t time, const Vector3d& position,
-                    const GivenMatrix& covariance, const Vector3d& lever) {
+Status add_position(Odometry& o, std::int64_t time, const GivenVector& position,
+                    const GivenMatrix& covariance, const GivenVector& lever) {
   return add<PositionModel>(
       o, time, {finite("position", position), definite(covariance), finite("lever", lever)});
 }
@@ -53,15 +54,15 @@ Status add_heading(Odometry& o, std::int64_t time, double heading, double sigma)
   return add<HeadingModel>(o, time, {finite("heading", heading), positive("sigma", sigma)});
 }
 
-Status add_body_velocity(Odometry& o, std::int64_t time, const Vector3d& velocity,
-                         const GivenMatrix& covariance, const Vector3d& lever,
-                         const Vector3d& gyro) {
+Status add_body_velocity(Odometry& o, std::int64_t time, const GivenVector& velocity,
+                         const GivenMatrix& covariance, const GivenVector& lever,
+                         const GivenVector& gyro) {
   return add<BodyVelocityModel>(o, time,
                                 {finite("velocity", velocity), definite(covariance),
                                  finite("lever", lever), finite("gyro", gyro)});
 }
 
-Status add_world_velocity(Odometry& o, std::int64_t time, const Vector3d& velocity,
+Status add_world_velocity(Odometry& o, std::int64_t time, const GivenVector& velocity,
                           const GivenMatrix& covariance) {
   return add<WorldVelocityModel>(o, time, {finite("velocity", velocity), definite(covariance)});
 }
@@ -71,7 +72,7 @@ Status add_height(Odometry& o, std::int64_t time, double height, double sigma) {
 }
 
 Status add_ground_range(Odometry& o, std::int64_t time, double range, double sigma,
-                        const Vector3d& direction, const Vector3d& lever) {
+                        const GivenVector& direction, const GivenVector& lever) {
   if (std::abs(finite("direction", direction).norm() - 1.0) > 1e-6) {
     throw py::value_error("direction: a unit vector is expected");
   }

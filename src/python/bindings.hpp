@@ -8,6 +8,7 @@
 #include <pybind11/stl.h>
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -32,6 +33,17 @@ void bind_replay(py::module_& module);
 void bind_commands(py::module_& module);
 /// Measurements of other sensors, as methods of rio.Odometry.
 void bind_aids(py::class_<Odometry>* odometry);
+
+/// A vector or matrix of numpy; what is masked is NaN.
+template <class Matrix>
+struct Given {
+  Matrix value;
+  operator const Matrix&() const { return value; }
+};
+/// A masked array as a plain one, NaN where it is masked.
+inline py::object unmasked(const py::handle& array) {
+  return array.attr("astype")("f8").attr("filled")(std::nan(""));
+}
 
 /// @throws std::runtime_error while the estimator calls its on_scan
 void refuse_within_on_scan(const Odometry& odometry);
@@ -133,3 +145,20 @@ Status added(Odometry& odometry, const Call& call) {
 }
 
 }  // namespace rio::python
+
+namespace pybind11::detail {
+
+template <class Matrix>
+struct type_caster<rio::python::Given<Matrix>> {
+  PYBIND11_TYPE_CASTER(rio::python::Given<Matrix>, make_caster<Matrix>::name);
+  bool load(handle given, bool convert) {
+    make_caster<Matrix> plain;
+    const object held =
+        hasattr(given, "filled") ? rio::python::unmasked(given) : reinterpret_borrow<object>(given);
+    if (!plain.load(held, convert)) return false;
+    value.value = cast_op<Matrix&>(plain);
+    return true;
+  }
+};
+
+}  // namespace pybind11::detail

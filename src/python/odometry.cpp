@@ -44,7 +44,7 @@ double& column(RadarDetection& d, std::size_t i) {
 py::array array_of(const py::object& points) {
   if (py::hasattr(points, "filled")) {
     const bool has_names = !points.attr("dtype").attr("names").is_none();
-    return (has_names ? points : points.attr("astype")("f8")).attr("filled")(std::nan(""));
+    return has_names ? points.attr("filled")(std::nan("")) : unmasked(points);
   }
   if (py::hasattr(points, "to_records")) {
     return points.attr("to_records")(py::arg("index") = false);
@@ -220,7 +220,8 @@ void bind_odometry(py::module_& module) {
            py::arg("auxiliary") = std::vector<std::string>())
       .def(
           "add_imu",
-          [](Odometry& o, std::int64_t time, const Vector3d& gyro, const Vector3d& accel) {
+          [](Odometry& o, std::int64_t time, const Given<Vector3d>& gyro,
+             const Given<Vector3d>& accel) {
             return added(o, [&](Odometry& to) { return to.add_imu({Time(time), gyro, accel}); });
           },
           py::arg("time"), py::arg("gyro"), py::arg("accel"),
@@ -244,15 +245,15 @@ void bind_odometry(py::module_& module) {
       .def(
           "reset",
           [](Odometry& o, const std::optional<NavState>& state,
-             const std::optional<Eigen::MatrixXd>& P) {
+             const std::optional<Given<Eigen::MatrixXd>>& P) {
             if (state.has_value() != P.has_value()) {
               throw py::type_error("reset: a state and its covariance are expected, or neither");
             }
-            if (P && (P->rows() != body::kSize || P->cols() != body::kSize)) {
+            if (P && (P->value.rows() != body::kSize || P->value.cols() != body::kSize)) {
               throw py::value_error("covariance: 15 x 15 values are expected");
             }
             return added(o, [&](Odometry& to) {
-              if (state) return to.reset(*state, BodyCovariance(*P));
+              if (state) return to.reset(*state, BodyCovariance(P->value));
               to.reset();
               return Status::kOk;
             });

@@ -13,12 +13,14 @@ namespace rio::python {
 
 namespace {
 
-NavState state_of(std::int64_t time, const Vector3d& position, const Eigen::Vector4d& orientation,
-                  const Vector3d& velocity, const Vector3d& gyro_bias, const Vector3d& accel_bias) {
+NavState state_of(std::int64_t time, const Given<Vector3d>& position,
+                  const Given<Eigen::Vector4d>& orientation, const Given<Vector3d>& velocity,
+                  const Given<Vector3d>& gyro_bias, const Given<Vector3d>& accel_bias) {
   NavState state;
   state.time = Time(time);
   state.p_WB = position;
-  state.q_WB = Quaternion(orientation[0], orientation[1], orientation[2], orientation[3]);
+  const Eigen::Vector4d& q = orientation;
+  state.q_WB = Quaternion(q[0], q[1], q[2], q[3]);
   state.v_WB = velocity;
   state.gyro_bias = gyro_bias;
   state.accel_bias = accel_bias;
@@ -31,7 +33,8 @@ Eigen::Vector4d orientation_of(const NavState& state) {
 }
 
 void bind_status(py::module_& module) {
-  py::enum_<Status>(module, "Status", "Outcome of a call.")
+  py::enum_<Status>(module, "Status",
+                    "Outcome of a call. Each is true, as members of enums are: compare with OK.")
       .value("OK", Status::kOk)
       .value("WAITING", Status::kWaiting, "queued: newer than the IMU, or of another sensor")
       .value("NOT_INITIALIZED", Status::kNotInitialized, "no estimate yet")
@@ -195,6 +198,7 @@ void bind_values(py::module_& module) {
   module.def(
       "extrinsics_of",
       [](const Odometry& o, std::size_t radar) {
+        if (radar >= o.radars()) throw py::index_error("extrinsics: no such radar");
         const Pose& pose = o.extrinsics(radar);
         const std::array<double, 4> q = wxyz(pose.rotation);
         return py::make_tuple(pose.translation, Eigen::Vector4d(q[0], q[1], q[2], q[3]));

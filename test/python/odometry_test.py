@@ -157,3 +157,24 @@ def test_after_a_pause_of_the_imu_a_replay_is_the_flight(flight, tmp_path):
     fly(odometry, paused)
     assert odometry.counters()["imu_gaps"] == 1
     assert np.array_equal(positions, replayed.positions)
+
+
+def test_what_is_masked_is_not_used():
+    odometry = rio.Odometry()
+    gravity, masked = [0, 0, 9.81], np.ma.array([1.0, 2.0, 3.0], mask=[0, 1, 0])
+    assert odometry.add_imu(0, masked, gravity) == rio.Status.NON_FINITE
+    assert odometry.add_imu(0, [0, 0, 0], masked) == rio.Status.NON_FINITE
+    assert odometry.add_imu(0, np.ma.array([0, 0, 1e-3]), gravity) == rio.Status.OK
+    with pytest.raises(ValueError, match="position"):
+        odometry.add_position(0, masked, np.eye(3))
+    with pytest.raises(ValueError, match="covariance"):
+        odometry.add_position(0, [0, 0, 0], np.ma.array(np.eye(3), mask=np.eye(3)))
+    state = rio.State(0, masked, [1, 0, 0, 0], [0, 0, 0])
+    assert odometry.reset(state, np.eye(15)) == rio.Status.NON_FINITE
+
+
+def test_a_radar_that_is_not_declared_has_no_mounting():
+    odometry = rio.Odometry()
+    assert np.all(odometry.extrinsics(0).translation == 0)
+    with pytest.raises(IndexError):
+        odometry.extrinsics(1)

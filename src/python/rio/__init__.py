@@ -170,7 +170,8 @@ class Odometry(_rio.Odometry):
         return Report(**values)
 
     def extrinsics(self, radar: int = 0) -> Pose:
-        """Pose of a radar in the body: the estimate, or that of the options if it is not estimated."""
+        """Pose of a radar in the body: the estimate, or that of the options if it is not estimated.
+        IndexError if there is no such radar."""
         return Pose(*_rio.extrinsics_of(self, radar))
 
 
