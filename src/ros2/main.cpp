@@ -3,12 +3,16 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "io/fields_yaml.hpp"
@@ -23,34 +27,50 @@ namespace {
 constexpr const char* kNode = "rio";
 constexpr const char* kSection = "ros__parameters";
 
-bool is_this_node(const std::string& name) {
-  const std::string last = name.substr(name.rfind('/') + 1);
-  return last == kNode || last == "**" || last == "*";
-}
-
 /// The values of the node `rio` (or /rio, NAMESPACE/rio, /**) in a parameter file.
+/// @param called its name, if not `rio`
 /// @throws std::runtime_error "FILE:LINE: ..." for unknown parameters, and if the node is missing
-void load_parameters(const std::string& file, Parameters* parameters) {
+void load_parameters(const std::string& file, const std::string& called, Parameters* parameters) {
   const io::YamlFile all = io::load_yaml(file);
   bool found = false;
   for (const auto& node : all.root) {
-    if (!is_this_node(node.first.Scalar())) continue;
+    const std::string name = node.first.Scalar().substr(node.first.Scalar().rfind('/') + 1);
+    if (name != called && name != "**" && name != "*") continue;
     const YAML::Node values = node.second[kSection];
     if (!values.IsDefined()) io::fail_at(all, node.second, std::string("no ") + kSection);
     io::read_fields({all.name, values}, "", parameters);
     found = true;
   }
-  if (!found) throw std::runtime_error(file + ": no parameters of a node /" + kNode);
+  if (!found) throw std::runtime_error(file + ": no parameters of a node /" + called);
 }
 
-/// "NAME:=VALUE", as `ros2 run ... --ros-args -p`.
-void set_parameter(const std::string& assignment, Parameters* parameters) {
+/// The parts of "NAME:=VALUE".
+std::pair<std::string, std::string> parts_of(const std::string& assignment) {
   const std::size_t at = assignment.find(":=");
   if (at == std::string::npos) {
     throw std::runtime_error("\"" + assignment + "\": NAME:=VALUE is expected");
   }
-  const std::string yaml = assignment.substr(0, at) + ": " + assignment.substr(at + 2);
-  io::read_fields(io::parse_yaml(yaml, assignment), "", parameters);
+  return {assignment.substr(0, at), assignment.substr(at + 2)};
+}
+
+/// As `ros2 run ... --ros-args -p`.
+void set_parameter(const std::string& assignment, Parameters* parameters) {
+  const auto [name, value] = parts_of(assignment);
+  io::read_fields(io::parse_yaml(name + ": " + value, assignment), "", parameters);
+}
+
+/// Another topic, as `ros2 run ... --ros-args -r`. Their names are absolute: no namespace counts.
+void remap(const std::string& rule, Parameters* parameters) {
+  const auto [from, to] = parts_of(rule);
+  bool found = from == "__node" || from == "__ns";
+  visit_fields(*parameters, [&, &was = from, &is = to](const FieldInfo& field, auto& value) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(value)>, std::string>) {
+      if (value != was || std::string_view(field.key).find("topic") == std::string::npos) return;
+      value = is;
+      found = true;
+    }
+  });
+  if (!found) throw std::runtime_error("-r " + rule + ": this node has no topic " + from);
 }
 
 /// Every parameter with its meaning, as a parameter file.
@@ -63,8 +83,12 @@ std::string parameter_file(const Parameters& parameters) {
 
 /// As ROS 2 has it: ROS_DOMAIN_ID, else 0.
 unsigned domain_id() {
-  const char* text = std::getenv("ROS_DOMAIN_ID");
-  return text == nullptr || *text == '\0' ? 0 : static_cast<unsigned>(std::stoul(text));
+  const char* given = std::getenv("ROS_DOMAIN_ID");
+  const std::string_view text = given == nullptr || *given == '\0' ? "0" : given;
+  unsigned id = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
+  if (error == std::errc() && end == text.data() + text.size() && id <= 232) return id;
+  throw std::runtime_error("ROS_DOMAIN_ID: a number from 0 to 232 is expected");
 }
 
 int run(int argc, char** argv) {
@@ -73,11 +97,15 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", tools::version_text());
   std::vector<std::string> files;
   std::vector<std::string> values;
+  std::vector<std::string> rules;
   bool print = false;
   bool ros = false;
   app.add_flag("--ros-args", ros, "as ROS 2 starts nodes; what follows is the same without it");
   app.add_option("--params-file", files, "parameter file of ROS 2")->allow_extra_args(false);
   app.add_option("-p", values, "one parameter, as odometry_rate:=50")->allow_extra_args(false);
+  app.add_option("-r,--remap", rules,
+                 "another topic, as /imu/data:=/mavros/imu/data_raw; __node:=NAME")
+      ->allow_extra_args(false);
   app.add_flag("--print-params", print, "print a parameter file with every value, and end");
   try {
     app.parse(argc, argv);
@@ -85,8 +113,13 @@ int run(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : 2;
   }
   Parameters parameters;
-  for (const std::string& file : files) load_parameters(file, &parameters);
+  std::string name = kNode;
+  for (const std::string& rule : rules) {
+    if (const auto [from, to] = parts_of(rule); from == "__node") name = to;
+  }
+  for (const std::string& file : files) load_parameters(file, name, &parameters);
   for (const std::string& value : values) set_parameter(value, &parameters);
+  for (const std::string& rule : rules) remap(rule, &parameters);
   if (print) {
     fmt::print("{}", parameter_file(parameters));
     return 0;

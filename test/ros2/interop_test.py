@@ -220,3 +220,19 @@ def test_a_wrong_parameter_is_named(tmp_path, domain):
     again = subprocess.run([os.environ["RIO_ROS2"], "--params-file", file, "--print-params"], text=True,
                            capture_output=True, check=True).stdout
     assert again == printed and "odometry_rate: 50" in printed
+
+
+def test_it_takes_what_a_launch_file_passes(tmp_path):
+    def run(*arguments):
+        return subprocess.run([os.environ["RIO_ROS2"], *arguments, "--print-params"], text=True, capture_output=True)
+
+    file = tmp_path / "launch_params"
+    file.write_text("/front/odometry:\n  ros__parameters:\n    odometry_rate: 50\n")
+    launched = ("--ros-args", "-r", "__node:=odometry", "-r", "__ns:=/front", "--params-file", file)
+    renamed = run(*launched, "-r", "/imu/data:=/mavros/imu").stdout
+    assert "odometry_rate: 50" in renamed and 'imu_topic: "/mavros/imu"' in renamed
+    assert "no topic /imu" in run("-r", "/imu:=/mavros/imu").stderr
+    for wrong in ("abc", "-1", "5x", "233"):
+        told = subprocess.run([os.environ["RIO_ROS2"]], text=True, capture_output=True, timeout=20,
+                              env=dict(os.environ, ROS_DOMAIN_ID=wrong))
+        assert told.returncode == 1 and "a number from 0 to 232" in told.stderr
