@@ -29,8 +29,9 @@ inline void on_stop_signal(int signal) {
 }
 
 /// From now on SIGINT, SIGTERM and, unless `nohup` ignores it, SIGHUP are handled by
-/// on_stop_signal().
+/// on_stop_signal(). A reader of the output that goes away is an output that fails, no signal.
 inline void catch_stop_signals() {
+  std::signal(SIGPIPE, SIG_IGN);
   struct sigaction action {};
   action.sa_handler = &on_stop_signal;
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&action.sa_mask, signal);

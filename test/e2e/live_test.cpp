@@ -99,6 +99,13 @@ TEST_F(Live, ShowsTheFlightWhileItHappens) {
   EXPECT_GT(fs::file_size(page), 100'000U);
 }
 
+/// As `| head` does: the flight goes on, and its other outputs.
+TEST_F(Live, AReaderThatGoesAwayEndsNoFlight) {
+  const std::string path = file("path.tum");
+  const auto [player, live] = fly("piped", "", " --out " + path + " --json-lines - | head -n 1");
+  EXPECT_GT(lines_of(path).size(), 50U) << live.output << player.output;
+}
+
 TEST_F(Live, IsTheReplayOfWhatItRecorded) {
   Json json;
   ASSERT_TRUE(is_its_replay("clean", "", &json));
