@@ -82,12 +82,15 @@ TEST_P(OdometryTest, LateDuplicateAndSurplusScansAreDroppedAndCounted) {
   EXPECT_LT(std::chrono::abs(before.time - scans[3].time), milliseconds(1));
   EXPECT_EQ(odometry->add_scan(scans[3]), Status::kDuplicate);
   EXPECT_EQ(odometry->add_scan(scans[0]), Status::kLate);
+  EXPECT_EQ(odometry->add_scan({Time::min(), {}}), Status::kLate);
+  EXPECT_EQ(odometry->add_scan({Time::max(), {}}), Status::kAhead);
   EXPECT_TRUE(same(odometry->at_scan(), before));
   const Counters& c = odometry->counters();
   EXPECT_EQ(c.scans, 3U);
   EXPECT_EQ(c.scans_duplicate, 2U);
   EXPECT_EQ(c.scans_overflow, 1U);
-  EXPECT_EQ(c.scans_late, 1U);
+  EXPECT_EQ(c.scans_late, 2U);
+  EXPECT_EQ(c.scans_ahead, 1U);
 }
 
 TEST_P(OdometryTest, WhatIsRefusedChangesNothing) {
