@@ -52,16 +52,23 @@ Fit fit_of(const ScanView& scan, const Vector3d& origin) {
   return fit;
 }
 
-/// The scans in which the radar moves: at rest no direction acts. Not more than some hundred.
-std::vector<std::size_t> moving_scans(const Scans& scans) {
+/// Not more than some hundred scans, each with points enough for a fit.
+Scans some_of(const Scans& scans) {
   constexpr std::size_t kFewest = 6;  // points of a scan: twice the unknowns
   constexpr std::size_t kMost = 600;
+  Scans some;
+  for (std::size_t i = 0; i < scans.size(); i += 1 + scans.size() / kMost) {
+    if (scans[i].detections.size() >= kFewest) some.push_back(scans.get(i));
+  }
+  return some;
+}
+
+/// The scans in which the radar moves: at rest no direction acts.
+std::vector<std::size_t> moving_scans(const Scans& scans) {
   constexpr double kMoves = 0.5;  // [m/s]
   std::vector<std::size_t> moving;
-  const std::size_t stride = 1 + scans.size() / kMost;
-  for (std::size_t i = 0; i < scans.size(); i += stride) {
-    const bool enough = scans[i].detections.size() >= kFewest;
-    if (enough && fit_of(scans[i], Vector3d::Zero()).v.norm() > kMoves) moving.push_back(i);
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    if (fit_of(scans[i], Vector3d::Zero()).v.norm() > kMoves) moving.push_back(i);
   }
   return moving;
 }
@@ -116,12 +123,13 @@ Equations equations(const Scans& scans, const std::vector<std::size_t>& moving,
 
 }  // namespace
 
-std::optional<Finding> check_origin(const Scans& scans, const Advice& advice) {
+std::optional<Finding> check_origin(const Scans& all, const Advice& advice) {
   constexpr double kLeast = 0.3;    // noise of directions seems to be up to half as much [m]
   constexpr double kBetter = 0.08;  // of the cost; noise of directions: 0.065 at most
   constexpr double kSure = 10.0;    // sigmas; the model of the noise is coarse
   constexpr double kFewestRows = 500;
   constexpr double kLongestStep = 0.3;  // [m]
+  const Scans scans = some_of(all);
   const std::vector<std::size_t> moving = moving_scans(scans);
   Vector3d origin = Vector3d::Zero();
   const Equations first = equations(scans, moving, origin);
@@ -150,9 +158,10 @@ std::optional<Finding> check_origin(const Scans& scans, const Advice& advice) {
                   advice.bag() ? "the files of `rio convert`" : advice.csv())};
 }
 
-std::optional<Finding> check_elevations(const Scans& scans, const Advice& advice) {
+std::optional<Finding> check_elevations(const Scans& all, const Advice& advice) {
   constexpr double kBetter = 0.93;  // right elevations have 0.86 of the others or less
   constexpr double kFewestPoints = 500;
+  const Scans scans = some_of(all);
   const Scans other = from_zenith(scans);
   double as_read = 0.0;
   double by_zenith = 0.0;
