@@ -45,8 +45,9 @@ bool ImuRows::next(ImuSample* sample) {
   if (!CsvReader::next()) return false;
   sample->time = Time(integer(0));
   for (int k = 0; k < 3; ++k) {
-    sample->gyro_B[k] = number_or_nan(*this, static_cast<std::size_t>(1 + k));
-    sample->accel_B[k] = number_or_nan(*this, static_cast<std::size_t>(4 + k));
+    const auto axis = static_cast<std::size_t>(k);
+    sample->gyro_B[k] = number_or_nan(*this, 1 + axis);
+    sample->accel_B[k] = number_or_nan(*this, 4 + axis);
   }
   return true;
 }
