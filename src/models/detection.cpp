@@ -129,6 +129,12 @@ void filter_detections(const RadarScan& scan, const RadarOptions& radar, int max
     const double elevation = std::asin(std::clamp(raw.point_S.z() / range, -1.0, 1.0));
     if (std::abs(azimuth) > 0.5 * radar.fov_azimuth) continue;
     if (std::abs(elevation) > 0.5 * radar.fov_elevation) continue;
+    // drivers pad their messages with the last detection
+    if (std::any_of(out.items.begin(), out.items.end(), [&raw](const Detection& kept) {
+          return kept.point_S == raw.point_S && kept.range_rate == raw.range_rate;
+        })) {
+      continue;
+    }
     const Detection d = make_detection(raw, radar);
     if (may_crowd && !crowded && out.items.size() == most) {
       crowded = true;

@@ -233,6 +233,18 @@ TEST(DetectionFilter, KeepsTheStrongestInTheirOrder) {
   }
 }
 
+// A driver pads its messages with one detection: forty of them measure what one does.
+TEST(DetectionFilter, TheSamePointAndRangeRateCountsOnce) {
+  RadarScan scan;
+  scan.detections.assign(40, raw_detection(2.0, 0.1, 0.0, 20.0));
+  scan.detections[7].range_rate = 0.3;  // another reflector at one place
+  scan.detections[8].point_S.z() = 0.01;
+  DetectionList out;
+  filter_detections(scan, RadarOptions{}, 128, out);
+  EXPECT_EQ(out.received, 40);
+  EXPECT_EQ(out.items.size(), 3U);
+}
+
 // Where there are more than fit, the detections of one reflector would be counted many times.
 TEST(DetectionFilter, OfTooManyOneAReflectorStays) {
   const RadarOptions radar;

@@ -81,10 +81,11 @@ Detection make_detection(const RadarDetection& raw, const RadarOptions& o);
 /// radar reports; no sigma is negative.
 bool is_valid(const RadarDetection& d);
 
-/// The detection filter: finite, in range, strong enough, in the field of view. If more than
-/// `max_detections` remain, the strongest are kept, in their original order. If the scan has more
-/// than four times as many, only the strongest detection of each reflector is kept first:
-/// detections within the noise of each other share its error and would be counted several times.
+/// The detection filter: finite, in range, strong enough, in the field of view, each once (the same
+/// point and range rate again is no further measurement). If more than `max_detections` remain, the
+/// strongest are kept, in their original order. If the scan has more than four times as many, only
+/// the strongest detection of each reflector is kept first: detections within the noise of each
+/// other share its error and would be counted several times.
 void filter_detections(const RadarScan& scan, const RadarOptions& radar, int max_detections,
                        DetectionList& out);
 
