@@ -53,8 +53,8 @@ void vibrate(ImuSample& s, Moment& m) {
 ChangeSample gyro_bias(int axis, double step) {
   return [axis, step](ImuSample& s, Moment&) { s.gyro_B[axis] += step; };
 }
-ChangeSample accel_bias(int axis) {
-  return [axis](ImuSample& s, Moment&) { s.accel_B[axis] += 0.5; };
+ChangeSample accel_bias(int axis, double step = 0.5) {
+  return [axis, step](ImuSample& s, Moment&) { s.accel_B[axis] += step; };
 }
 
 }  // namespace
@@ -95,6 +95,10 @@ std::vector<Fault> imu_faults() {
       samples("accel frozen for 5 s", 5.0, later, freeze_accel),
       samples("gyro frozen for 5 s", 5.0, later, freeze_gyro),
       samples("accel reads 0 for 5 s", 5.0, later, [](auto& s, auto&) { s.accel_B.setZero(); }),
+      samples("accel negated for 5 s", 5.0, later, [](auto& s, auto&) { s.accel_B *= -1.0; }),
+      samples("accel y negated for 10 s", 10.0, later,
+              [](auto& s, auto&) { s.accel_B.y() *= -1.0; }),
+      samples("gyro negated for 10 s", 10.0, later, [](auto& s, auto&) { s.gyro_B *= -1.0; }),
       samples("vibration of 3 g and 1 rad/s for 10 s", 10.0, later, vibrate),
       samples("gyro bias x +0.01 rad/s", kForGood, learned, gyro_bias(0, 0.01)),
       samples("gyro bias y +0.01 rad/s", kForGood, learned, gyro_bias(1, 0.01)),
@@ -103,6 +107,10 @@ std::vector<Fault> imu_faults() {
       samples("accel bias x +0.5 m/s^2", kForGood, learned, accel_bias(0)),
       samples("accel bias y +0.5 m/s^2", kForGood, learned, accel_bias(1)),
       samples("accel bias z +0.5 m/s^2", kForGood, learned, accel_bias(2)),
+      // small enough for no gate to notice: motors heat and shake the sensor
+      samples("accel bias z +0.05 m/s^2", kForGood, learned, accel_bias(2, 0.05)),
+      samples("accel bias z +0.2 m/s^2", kForGood, learned, accel_bias(2, 0.2)),
+      samples("accel bias x +0.2 m/s^2", kForGood, learned, accel_bias(0, 0.2)),
       samples("gyro bias x +0.05 rad/s", kForGood, learned, gyro_bias(0, 0.05)),
       samples("gyro bias x creeps by 1e-3 rad/s^2", 20.0, learned,
               [](auto& s, auto& m) { s.gyro_B.x() += 1e-3 * m.t; }),
