@@ -234,6 +234,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_p
         "Replace a tilt that the Dopplers of two seconds contradict.");
   field("checks.heading", o.checks.heading, "", 0, 1,
         "Widen the heading after a step of the gyro bias about the vertical.");
+  field("checks.biases", o.checks.biases, "", 0, 1,
+        "Widen the biases of the IMU if the velocity drifts.");
   field("checks.position", o.checks.position, "", 0, 1,
         "Widen the position after a doubtful time.");
   field("checks.lost_tilt", o.checks.lost_tilt, "", 0, 1,

@@ -221,6 +221,7 @@ struct CheckOptions {
   bool velocity = true;   ///< replace it if the Dopplers of a second contradict it
   bool tilt = true;       ///< replace it if the Dopplers of two seconds contradict gravity
   bool heading = true;    ///< widen it if the gyro bias has stepped about the vertical
+  bool biases = true;     ///< widen them if the velocity drifts
   bool position = true;   ///< widen it after a doubtful time
   bool lost_tilt = true;  ///< restart from the specific force when the tilt is lost
 };

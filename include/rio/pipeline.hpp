@@ -191,6 +191,7 @@ class Pipeline {
       backend_.maintain_landmarks(seen_, rows_, promotions_, &report_);
       const double seconds = to_seconds(estimate().nav.time - last);
       if (checks_.check_heading()) reset_frontends();
+      if (checks_.check_biases()) reset_frontends();
       if (checks_.check_position(health_, seconds)) reset_frontends();
       backend_.clone(scan_id);  // 7
     }

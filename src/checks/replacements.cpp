@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/checks/replacements.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "rio/core/so3.hpp"
@@ -42,7 +43,7 @@ void replace_tilt(const IndependentGravity& found, double duration, const Option
   P.inflate(body::kAccelBias, accel * accel);
 }
 
-void widen_heading(const GyroBiasStep& found, StateEstimate* state_estimate) {
+void widen_heading(const LastingError& found, StateEstimate* state_estimate) {
   constexpr double kStep = 2.0;  // ratio of a step to its mean over the window it began in
   const NavState& nav = state_estimate->estimate().nav;
   const Vector3d up_B = nav.q_WB.conjugate() * Vector3d::UnitZ();
@@ -54,6 +55,22 @@ void widen_heading(const GyroBiasStep& found, StateEstimate* state_estimate) {
   P.inflate_along(body::kAttitude, heading * up_B);
   P.inflate(body::kVelocity, speed * speed);
   P.inflate(body::kPosition, distance * distance);
+}
+
+void widen_biases(const LastingError& found, const Options& options,
+                  StateEstimate* state_estimate) {
+  constexpr double kBefore = 2.0;  // a step may have begun so much earlier than the window
+  const double accel = options.start.sigma_accel_bias;
+  const double gyro = options.start.sigma_gyro_bias;
+  const double speed = std::max(accel * found.duration, std::abs(found.error));
+  const double distance = 0.5 * speed * found.duration;
+  const double turn = kBefore * gyro * found.duration;
+  Covariance& P = state_estimate->covariance();
+  P.inflate(body::kPosition, distance * distance);
+  P.inflate(body::kVelocity, speed * speed);
+  P.inflate(body::kAttitude, turn * turn);
+  P.inflate(body::kGyroBias, gyro * gyro);
+  P.inflate(body::kAccelBias, accel * accel);
 }
 
 void widen_position(double sigma, StateEstimate* state_estimate) {

@@ -82,6 +82,7 @@ void publish_ekf(Options* o) {
                .velocity = false,
                .tilt = false,
                .heading = false,
+               .biases = false,
                .position = false,
                .lost_tilt = false};
   o->frontend.detect_rest = false;

@@ -31,6 +31,11 @@ class StateOnly {
     if (also == Invalidates::kLandmarks) drop_landmarks(report);
     change(&state_estimate_);
   }
+  /// As an update.
+  template <class Change>
+  void correct(const Change& change) {
+    change(&state_estimate_);
+  }
   void drop_landmarks(UpdateReport* /*report*/) { ++dropped; }
   Status update(const Observations& /*seen*/, const ScanRows& /*rows*/) { return Status::kOk; }
   void maintain_landmarks(const Observations&, const ScanRows&, const Promotions&, UpdateReport*) {}
@@ -77,6 +82,33 @@ class ChecksTest : public testing::Test {
     int scans = 0;
     while (scans < 40 && !velocity_replaced()) ++scans;
     return scans;
+  }
+  /// Whether a check widens the state within 200 updates that each move `at` a little along an
+  /// axis, by far more in sum than its variance lets expect.
+  bool widened_by_corrections(int at, const Vector3d& axis_W) {
+    for (int i = 0; i < 200; ++i) {
+      vehicle_->advance();
+      bool gap = false;
+      EXPECT_EQ(backend_->propagate(vehicle_->truth.time, vehicle_->imu(), &gap), Status::kOk);
+      const auto set_variance = [&](double variance) {
+        backend_->correct([&](StateEstimate* state) {
+          state->covariance().matrix().block<3, 3>(at, at) = variance * Matrix3d::Identity();
+        });
+      };
+      set_variance(1e-6);
+      checks_->predicted();
+      set_variance(0.99e-6);
+      backend_->correct([&](StateEstimate* state) {
+        NavState& x = state->estimate().nav;
+        if (at == body::kVelocity) {
+          x.v_WB += 0.01 * axis_W;
+        } else {
+          x.gyro_bias += x.q_WB.conjugate() * Vector3d(0.01 * axis_W);
+        }
+      });
+      if (at == body::kVelocity ? checks_->check_biases() : checks_->check_heading()) return true;
+    }
+    return false;
   }
   double variance(int at) const { return backend_->state_estimate().covariance().body()(at, at); }
 
@@ -149,11 +181,32 @@ TEST_F(ChecksTest, PositionIsWidenedAfterADoubtfulTime) {
   EXPECT_EQ(backend_->replaced, std::vector<Invalidates>{Invalidates::kLandmarks});
 }
 
+// The velocity in all axes, the gyro bias about the vertical: gravity sees the others.
+TEST_F(ChecksTest, WhatTheUpdatesCorrectForLongIsWidened) {
+  const Vector3d up_W = Vector3d::UnitZ();
+  for (const Vector3d& axis : {Vector3d(Vector3d::UnitX()), Vector3d(-Vector3d::UnitY()), up_W}) {
+    begin(Vector3d::Zero(), false);
+    const double bias = variance(body::kAccelBias);
+    EXPECT_TRUE(widened_by_corrections(body::kVelocity, axis));
+    EXPECT_TRUE(report_.velocity_reset);
+    EXPECT_NEAR(variance(body::kAccelBias) - bias,
+                options_.start.sigma_accel_bias * options_.start.sigma_accel_bias, 1e-5);
+    EXPECT_EQ(backend_->replaced, std::vector<Invalidates>{Invalidates::kLandmarks});
+  }
+
+  begin(Vector3d::Zero(), false);
+  EXPECT_FALSE(widened_by_corrections(body::kGyroBias, Vector3d::UnitX()));
+  EXPECT_TRUE(widened_by_corrections(body::kGyroBias, up_W));
+  EXPECT_TRUE(report_.attitude_reset);
+}
+
 TEST_F(ChecksTest, SwitchedOffTheyReplaceNothing) {
-  options_.checks = {false, false, false, false, false, false};
+  options_.checks = {false, false, false, false, false, false, false};
   begin(Vector3d(2.0, -1.0, 0.5), true, 0.4);
   EXPECT_EQ(scans_to_replacement(), 40);
   EXPECT_FALSE(checks_->tilt_is_lost());
+  EXPECT_FALSE(widened_by_corrections(body::kVelocity, Vector3d::UnitZ()));
+  EXPECT_FALSE(widened_by_corrections(body::kGyroBias, Vector3d::UnitZ()));
   EXPECT_TRUE(backend_->replaced.empty());
 }
 

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "support/random_state.hpp"
 
 namespace rio {
@@ -116,7 +118,7 @@ TEST_F(ReplacementsTest, WithdrawnAlignmentKnowsNoBias) {
 }
 
 TEST_F(ReplacementsTest, WidenedHeadingKeepsTheTilt) {
-  const GyroBiasStep step{.error = -0.004, .duration = 20.0, .moved_W = {3.0, 4.0, 0.0}};
+  const LastingError step{.error = -0.004, .duration = 20.0, .moved_W = {3.0, 4.0, 0.0}};
   const Vector3d up_B = nav_.q_WB.conjugate() * Vector3d::UnitZ();
   Matrix15d expected = Matrix15d::Zero();
   expected.block<3, 3>(body::kGyroBias, body::kGyroBias) = 0.008 * 0.008 * up_B * up_B.transpose();
@@ -125,6 +127,25 @@ TEST_F(ReplacementsTest, WidenedHeadingKeepsTheTilt) {
   expected.diagonal().segment<3>(body::kPosition).setConstant(0.4 * 0.4);
   const NavState x = expect_added(expected, [&](StateEstimate* b) { widen_heading(step, b); });
   EXPECT_EQ(x.q_WB.coeffs(), nav_.q_WB.coeffs());
+}
+
+// By what they may be, or by the error seen if that is more; the mean stays.
+TEST_F(ReplacementsTest, WidenedBiasesMayHaveActedForTheWindow) {
+  const double accel = options_.start.sigma_accel_bias;
+  const double gyro = options_.start.sigma_gyro_bias;
+  for (const double error : {-0.01, -0.4}) {
+    const double speed = std::max(3.0 * accel, std::abs(error));
+    Matrix15d expected = Matrix15d::Zero();
+    expected.diagonal().segment<3>(body::kPosition).setConstant(2.25 * speed * speed);
+    expected.diagonal().segment<3>(body::kVelocity).setConstant(speed * speed);
+    expected.diagonal().segment<3>(body::kAccelBias).setConstant(accel * accel);
+    expected.diagonal().segment<3>(body::kGyroBias).setConstant(gyro * gyro);
+    expected.diagonal().segment<3>(body::kAttitude).setConstant(36.0 * gyro * gyro);
+    const NavState x = expect_added(expected, [&](StateEstimate* b) {
+      widen_biases({.error = error, .duration = 3.0}, options_, b);
+    });
+    EXPECT_EQ(x.v_WB, nav_.v_WB);
+  }
 }
 
 TEST_F(ReplacementsTest, WidenedPositionIsThatMuchLessCertain) {

@@ -64,6 +64,7 @@ const std::vector<Switch>& switches() {
       {"no check of the velocity", "wrong-velocity", [](Options& o) { o.checks.velocity = false; }},
       {"no check of the tilt", "wrong-velocity", [](Options& o) { o.checks.tilt = false; }},
       {"no check of the heading", "", [](Options& o) { o.checks.heading = false; }},
+      {"no check of the biases", "", [](Options& o) { o.checks.biases = false; }},
       {"no check of the position", "people", [](Options& o) { o.checks.position = false; }},
       {"no restart of a lost tilt", "wrong-velocity",
        [](Options& o) { o.checks.lost_tilt = false; }},

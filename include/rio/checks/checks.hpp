@@ -8,16 +8,17 @@
 //   landmarks       silence, gaps, tilt             before the front-end, which matches them
 //   velocity        checks/velocity_check.hpp       before association, which needs the velocity
 //   tilt            checks/tilt_check.hpp           after it: the check uses the static set
-//   heading         checks/heading_check.hpp        after the update, whose corrections it sums
+//   heading, biases checks/correction_check.hpp     after the update, whose corrections it sums
 //   position        checks/position_check.hpp       same: it counts what the update gates
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <optional>
 
-#include "rio/checks/heading_check.hpp"
+#include "rio/checks/correction_check.hpp"
 #include "rio/checks/health_monitor.hpp"
 #include "rio/checks/position_check.hpp"
 #include "rio/checks/replacements.hpp"
@@ -44,7 +45,9 @@ class Checks {
         report_(*report),
         velocity_(options),
         tilt_(options),
-        heading_(options) {}
+        heading_(kHeadingWindow),
+        drift_{CorrectionCheck(kDriftWindow), CorrectionCheck(kDriftWindow),
+               CorrectionCheck(kDriftWindow)} {}
 
   /// The back-end starts over at `time`.
   /// @param unconfirmed from a static alignment: the body may have been in motion
@@ -52,6 +55,7 @@ class Checks {
     velocity_.reset(time);
     tilt_.reset(time);
     heading_.reset();
+    reset_drift();
     position_.reset();
     replaced_.reset();
     last_static_set_ = time;
@@ -145,14 +149,43 @@ class Checks {
   }
 
   /// Call before the update, with the predicted state in the back-end.
-  void predicted() { heading_.predicted(backend_.estimate(), body_covariance()); }
+  void predicted() {
+    const NavState& x = backend_.estimate().nav;
+    const BodyCovariance P = body_covariance();
+    up_B_ = x.q_WB.conjugate() * Vector3d::UnitZ();
+    heading_.predicted(x, up_B_.dot(x.gyro_bias), variance_about_up(P));
+    for (int i = 0; i < 3; ++i) {
+      drift_[static_cast<std::size_t>(i)].predicted(x, x.v_WB[i],
+                                                    P(body::kVelocity + i, body::kVelocity + i));
+    }
+  }
 
   [[nodiscard]] bool check_heading() {
-    const auto found = heading_.corrected(backend_.estimate(), body_covariance());
-    if (!found) return false;
+    const NavState& x = backend_.estimate().nav;
+    const auto found =
+        heading_.corrected(x, up_B_.dot(x.gyro_bias), variance_about_up(body_covariance()));
+    if (!found || !options_.checks.heading) return false;
     replace(Invalidates::kLandmarks,
             [&](StateEstimate* state_estimate) { widen_heading(*found, state_estimate); });
     report_.attitude_reset = true;
+    heading_.reset();
+    return true;
+  }
+
+  [[nodiscard]] bool check_biases() {
+    const NavState& x = backend_.estimate().nav;
+    const BodyCovariance P = body_covariance();
+    std::optional<LastingError> found;
+    for (int i = 0; i < 3; ++i) {
+      const int v = body::kVelocity + i;
+      const auto along = drift_[static_cast<std::size_t>(i)].corrected(x, x.v_WB[i], P(v, v));
+      if (along && !(found && std::abs(found->error) > std::abs(along->error))) found = along;
+    }
+    if (!found || !options_.checks.biases) return false;
+    replace(Invalidates::kLandmarks,
+            [&](StateEstimate* state_estimate) { widen_biases(*found, options_, state_estimate); });
+    report_.velocity_reset = report_.attitude_reset = true;
+    reset_drift();
     heading_.reset();
     return true;
   }
@@ -181,6 +214,15 @@ class Checks {
   };
 
   BodyCovariance body_covariance() const { return backend_.state_estimate().covariance().body(); }
+
+  void reset_drift() {
+    for (CorrectionCheck& check : drift_) check.reset();
+  }
+
+  /// Of the gyro bias about the vertical [(rad/s)^2].
+  double variance_about_up(const BodyCovariance& P) const {
+    return up_B_.dot(P.block<3, 3>(body::kGyroBias, body::kGyroBias) * up_B_);
+  }
 
   /// Sigma of roll and pitch together [rad].
   double sigma_tilt() const {
@@ -214,15 +256,31 @@ class Checks {
     });
     replaced_ = Replaced{now, since};
     velocity_.reset(now);
+    reset_drift();
     position_.reset();
   }
+
+  // a landmark is seen for 20 s, longer than a take-off; no gyro bias steps by more
+  static constexpr CorrectionCheck::Window kHeadingWindow{.part = std::chrono::seconds(1),
+                                                          .parts = 20,
+                                                          .enough = 10,
+                                                          .patience = std::chrono::seconds(2),
+                                                          .weak = 0.005};  // [rad/s]
+  // in three seconds a bias of 0.1 m/s^2 becomes a velocity that counts
+  static constexpr CorrectionCheck::Window kDriftWindow{.part = std::chrono::milliseconds(250),
+                                                        .parts = 12,
+                                                        .enough = 8,
+                                                        .patience = std::chrono::milliseconds(500),
+                                                        .weak = 0.1};  // [m/s]
 
   const Options options_;
   BackEnd& backend_;
   UpdateReport& report_;
   VelocityCheck velocity_;
   TiltCheck tilt_;
-  HeadingCheck heading_;
+  CorrectionCheck heading_;
+  std::array<CorrectionCheck, 3> drift_;  ///< of the velocity, axes of W
+  Vector3d up_B_ = Vector3d::UnitZ();     ///< before the update
   PositionCheck position_;
   std::optional<Replaced> replaced_;
   Time last_static_set_{0};      ///< stamp of the last scan with a static set

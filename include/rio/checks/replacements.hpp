@@ -3,7 +3,7 @@
 // possible causes and effects of the error. A back-end applies them through replace().
 #pragma once
 
-#include "rio/checks/heading_check.hpp"
+#include "rio/checks/correction_check.hpp"
 #include "rio/checks/tilt_check.hpp"
 #include "rio/checks/velocity_check.hpp"
 #include "rio/options.hpp"
@@ -24,7 +24,12 @@ void replace_tilt(const IndependentGravity& found, double duration, const Option
 
 /// The gyro bias has stepped about the vertical: inflates its covariance, and that of heading,
 /// velocity and position by the effect over the window.
-void widen_heading(const GyroBiasStep& found, StateEstimate* state_estimate);
+void widen_heading(const LastingError& found, StateEstimate* state_estimate);
+
+/// The velocity has drifted for a while, as after a step of a bias: the biases may be again what
+/// they may be where nobody has measured them. Inflates their covariance, and that of attitude,
+/// velocity and position by the effect over the window.
+void widen_biases(const LastingError& found, const Options& options, StateEstimate* state_estimate);
 
 /// Inflates the covariance of the position by sigma per axis [m].
 void widen_position(double sigma, StateEstimate* state_estimate);
