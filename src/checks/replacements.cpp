@@ -59,7 +59,8 @@ void widen_heading(const LastingError& found, StateEstimate* state_estimate) {
 
 void widen_biases(const LastingError& found, const Options& options,
                   StateEstimate* state_estimate) {
-  constexpr double kBefore = 2.0;  // a step may have begun so much earlier than the window
+  // the step may be older than the window, and nothing has corrected the heading since
+  constexpr double kBefore = 2.0;
   const double accel = options.start.sigma_accel_bias;
   const double gyro = options.start.sigma_gyro_bias;
   const double speed = std::max(accel * found.duration, std::abs(found.error));

@@ -118,16 +118,17 @@ std::vector<Fault> radar_faults() {
       bad_field("sigma of the azimuth", &RadarDetection::sigma_azimuth),
       bad_field("sigma of the elevation", &RadarDetection::sigma_elevation),
       bad_field("sigma of the Doppler", &RadarDetection::sigma_doppler),
+      points("range rates 1.5 times too large for 10 s", 10.0, Promise::kReported, 1.0,
+             [](auto& d, auto&) { d.range_rate *= 1.5; }),
+      points("range rates negated for 10 s", 10.0, Promise::kReported, 1.0,
+             [](auto& d, auto&) { d.range_rate *= -1.0; }),
+      points("range rates 0 for 10 s", 10.0, Promise::kReported, 1.0,
+             [](auto& d, auto&) { d.range_rate = 0.0; }),
+      scans("one point 40 times for 10 s", 10.0, kBridged,
+            [](auto& scan, auto&) {
+              if (!scan.detections.empty()) scan.detections.assign(40, scan.detections.front());
+            }),
   };
-  all.push_back(points("range rates 1.5 times too large for 10 s", 10.0, Promise::kReported, 1.0,
-                       [](auto& d, auto&) { d.range_rate *= 1.5; }));
-  all.push_back(points("range rates negated for 10 s", 10.0, Promise::kReported, 1.0,
-                       [](auto& d, auto&) { d.range_rate *= -1.0; }));
-  all.push_back(points("range rates 0 for 10 s", 10.0, Promise::kReported, 1.0,
-                       [](auto& d, auto&) { d.range_rate = 0.0; }));
-  all.push_back(scans("one point 40 times for 10 s", 10.0, kBridged, [](auto& scan, auto&) {
-    if (!scan.detections.empty()) scan.detections.assign(40, scan.detections.front());
-  }));
   for (const double s : {1.0, 5.0, 15.0, 30.0}) {
     all.push_back(scans(fmt::format("empty scans for {} s", s), s, s < 10.0 ? kBridged : kHonest,
                         [](RadarScan& scan, Moment&) { scan.detections.clear(); }));

@@ -68,6 +68,23 @@ TEST(ImuFault, StrongVibrationLeavesAnHonestPosition) {
   test::expect_below("strong vibration for 10 s: position after 30 s [sigma], worst", worst, 3.0);
 }
 
+// Too small for a gate: only the sum of the corrections tells, after two to four seconds.
+TEST(ImuFault, ASmallStepOfABiasDoesNotCarryTheEstimateAway) {
+  for (const char* name : {"outdoor", "hover"}) {
+    const sim::Flight flight = test::short_flight(name, kFaultBegins + kJudgedAfter + 1.0);
+    for (const char* step : {"accel bias z +0.05 m/s^2", "accel bias z +0.2 m/s^2"}) {
+      for (const Variant& v : kBackEnds) {
+        const Survival end = survive(flight, options_of(flight, v), fault_named(step));
+        test::expect_below(std::string(name) + ", " + step + ": position after 30 s [m]",
+                           end.last.position, 2.0);
+        EXPECT_TRUE(end.kept) << end.wrong_until;
+        EXPECT_LT(end.longest_unreported, 2.0);  // until it is found; 1.4 at 0.2 m/s^2
+        EXPECT_GT(end.counters.velocity_resets, 0U);
+      }
+    }
+  }
+}
+
 // No gravity tells a heading: only landmarks that turn, scan after scan the same way.
 TEST(ImuFault, AStepOfTheGyroBiasAboutTheVerticalIsFoundAndLearned) {
   constexpr double kStep = 0.01;  // of the fault [rad/s]

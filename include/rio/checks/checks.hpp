@@ -260,12 +260,13 @@ class Checks {
     position_.reset();
   }
 
-  // a landmark is seen for 20 s, longer than a take-off; no gyro bias steps by more
-  static constexpr CorrectionCheck::Window kHeadingWindow{.part = std::chrono::seconds(1),
-                                                          .parts = 20,
-                                                          .enough = 10,
-                                                          .patience = std::chrono::seconds(2),
-                                                          .weak = 0.005};  // [rad/s]
+  // a landmark is seen for 20 s, longer than a take-off
+  static constexpr CorrectionCheck::Window kHeadingWindow{
+      .part = std::chrono::seconds(1),
+      .parts = 20,
+      .enough = 10,
+      .patience = std::chrono::seconds(2),
+      .weak = 0.005};  // no bias steps by more [rad/s]
   // in three seconds a bias of 0.1 m/s^2 becomes a velocity that counts
   static constexpr CorrectionCheck::Window kDriftWindow{.part = std::chrono::milliseconds(250),
                                                         .parts = 12,
