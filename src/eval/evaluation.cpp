@@ -21,6 +21,15 @@ Trajectory thinned(const Trajectory& all, Time interval) {
   return some;
 }
 
+/// Of the positions about their mean, RMS [m].
+double spread(const std::vector<PosePair>& pairs, StampedPose PosePair::*pose) {
+  Vector3d mean = Vector3d::Zero();
+  for (const PosePair& pair : pairs) mean += (pair.*pose).p / static_cast<double>(pairs.size());
+  double squares = 0.0;
+  for (const PosePair& pair : pairs) squares += ((pair.*pose).p - mean).squaredNorm();
+  return std::sqrt(squares / static_cast<double>(pairs.size()));
+}
+
 }  // namespace
 
 Evaluation evaluate(const Trajectory& truth, const Trajectory& estimate,
@@ -45,6 +54,7 @@ Evaluation evaluate(const Trajectory& truth, const Trajectory& estimate,
   result.associated = pairs.size();
   result.duration = to_seconds(pairs.back().estimate.time - pairs.front().estimate.time);
   result.path_length = path_length(pairs);
+  result.size_ratio = spread(pairs, &PosePair::truth) / spread(pairs, &PosePair::estimate);
 
   const Alignment yaw = align_yaw(pairs);
   const Alignment se3 = align_se3(pairs);

@@ -56,6 +56,19 @@ nlohmann::ordered_json to_json(const AngleError& error) {
 
 constexpr double kOtherAxes = 45.0;  // beyond what an estimate that follows the path is off [deg]
 
+/// What a truth in another unit than metres looks like, to a factor of two; empty if it does not.
+std::string unit_of_truth(double size_ratio) {
+  for (const auto& [unit, per_metre] : {std::pair("millimetres", 1000.0), {"centimetres", 100.0}}) {
+    if (std::abs(std::log(size_ratio / per_metre)) > std::log(2.0)) continue;
+    return fmt::format(
+        "the true positions span {:.0f} times what the estimate does: they seem to be in {}; "
+        "divide "
+        "them by {:.0f}",
+        size_ratio, unit, per_metre);
+  }
+  return "";
+}
+
 /// `value` in `width` characters, a blank and more if it is longer; "-" if undefined.
 std::string cell(double value, int width, int digits) {
   const std::string text = std::isnan(value) ? "-" : plot::fixed(value, digits);
@@ -246,6 +259,8 @@ void evaluate(const EvaluateArguments& arguments) {
     const eval::Trajectory estimate = path_of(file, arguments.topic);
     expect_common_time({{arguments.truth, truth}, {file, estimate}});
     all.push_back({labels[i], evaluate_poses(arguments, truth, estimate, file)});
+    const std::string unit = unit_of_truth(all.back().second.size_ratio);
+    if (!unit.empty()) print_notes({unit});
     const double apart = all.back().second.ape_yaw.rotation.median;
     if (apart > kOtherAxes && all.back().second.yaw_unique) {
       print_notes({fmt::format(

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <utility>
 
 #include "e2e/tool.hpp"
 #include "support/matches.hpp"
@@ -42,7 +43,7 @@ TEST_F(Tool, EvaluatesAgainstPositionsAlone) {
   EXPECT_EQ(drawing.find("Yaw error"), std::string::npos);
 }
 
-TEST_F(Tool, EvaluateTellsOtherAxesAndHowFarAnEstimateGoes) {
+TEST_F(Tool, EvaluateTellsOtherAxesOtherUnitsAndHowFarAnEstimateGoes) {
   const std::string tum = file("whole.tum");
   rio("replay " + flight_ + " --quiet --out " + tum);
   const auto made = [&](const std::string& name, const std::string& awk) {
@@ -52,6 +53,15 @@ TEST_F(Tool, EvaluateTellsOtherAxesAndHowFarAnEstimateGoes) {
   const std::string evaluate = "evaluate " + flight_ + " ";
   const Parts other = {"or another order of the quaternion"};
   expect_none(rio(evaluate + tum).output, other);
+  const std::string metres = made("metres.tum", "NR % 5 == 0");
+  expect_none(rio("evaluate " + metres + " " + tum).output, {"seem to be in"});
+  for (const auto& [name, factor] : {std::pair("millimetres", "1000"), {"centimetres", "100"}}) {
+    const std::string by = std::string(" *= ") + factor;
+    const std::string truth =
+        made(name, "NR % 5 == 0 {$2" + by + "; $3" + by + "; $4" + by + "; print}");
+    rio("evaluate " + truth + " " + tum,
+        {std::string("they seem to be in ") + name + "; divide them by " + factor});
+  }
   rio(evaluate + made("wxyz.tum", "{print $1, $2, $3, $4, $8, $5, $6, $7}"), other);
   fails(1, evaluate + made("late.tum", "{sub(/^17/, \"18\"); print}"),
         {"no time in common: " + flight_ + " is from 17", "late.tum from 18"});
