@@ -107,25 +107,25 @@ void declare_auxiliary(const std::vector<std::string>& names, Options* options) 
 void bind_aids(py::class_<Odometry>* odometry) {
   const Vector3d zero = Vector3d::Zero();
   odometry
-      ->def("add_position", &add_position, py::arg("time"), py::arg("position"),
+      ->def("add_position", &add_position, py::arg("time").noconvert(), py::arg("position"),
             py::arg("covariance"), py::arg("lever") = zero,
             "Takes the position of a point of the body, of GNSS or motion capture.\n\n"
             "time: int, nanoseconds; position: (3,) world axes of the estimate [m]; covariance:\n"
             "(3, 3) [m^2]; lever: (3,) from the IMU to the point, body axes [m]")
-      .def("add_heading", &add_heading, py::arg("time"), py::arg("heading"), py::arg("sigma"),
+      .def("add_heading", &add_heading, py::arg("time").noconvert(), py::arg("heading"), py::arg("sigma"),
            "Takes the heading of the body's x axis about the world's z axis [rad].")
-      .def("add_body_velocity", &add_body_velocity, py::arg("time"), py::arg("velocity"),
+      .def("add_body_velocity", &add_body_velocity, py::arg("time").noconvert(), py::arg("velocity"),
            py::arg("covariance"), py::arg("lever") = zero, py::arg("gyro") = zero,
            "Takes the velocity of a point of the body, body axes, of optical flow or wheels.\n\n"
            "velocity: (3,) [m/s]; covariance: (3, 3) [m^2/s^2]; lever: (3,) from the IMU to the\n"
            "point [m]; gyro: (3,) as measured at its time, needed with a lever [rad/s]")
-      .def("add_world_velocity", &add_world_velocity, py::arg("time"), py::arg("velocity"),
+      .def("add_world_velocity", &add_world_velocity, py::arg("time").noconvert(), py::arg("velocity"),
            py::arg("covariance"),
            "Takes the velocity of the IMU, world axes: (3,) [m/s], (3, 3) [m^2/s^2].")
-      .def("add_height", &add_height, py::arg("time"), py::arg("height"), py::arg("sigma"),
+      .def("add_height", &add_height, py::arg("time").noconvert(), py::arg("height"), py::arg("sigma"),
            "Takes a barometric height over the start [m]; estimates \"height_offset\" beside it,\n"
            "which Odometry(auxiliary=...) has to name.")
-      .def("add_ground_range", &add_ground_range, py::arg("time"), py::arg("range"),
+      .def("add_ground_range", &add_ground_range, py::arg("time").noconvert(), py::arg("range"),
            py::arg("sigma"), py::arg("direction") = Vector3d(0.0, 0.0, -1.0),
            py::arg("lever") = zero,
            "Takes a range to level ground [m]; estimates \"ground_height\" beside it, which\n"

@@ -45,8 +45,9 @@ inline py::object unmasked(const py::handle& array) {
   return array.attr("astype")("f8").attr("filled")(std::nan(""));
 }
 
-/// @throws std::runtime_error while the estimator calls its on_scan
-void refuse_within_on_scan(const Odometry& odometry);
+/// Waits while another thread is in the estimator's on_scan.
+/// @throws std::runtime_error within the on_scan itself
+void await_on_scan(const Odometry& odometry);
 
 /// Throws ValueError if there is no state of that name.
 void declare_auxiliary(const std::vector<std::string>& names, Options* options);
@@ -138,7 +139,7 @@ void add_landmarks(const Odometry& odometry, std::vector<LandmarkRow>* rows);
 /// @throws std::runtime_error from within; what an on_scan() threw
 template <class Call>
 Status added(Odometry& odometry, const Call& call) {
-  refuse_within_on_scan(odometry);
+  await_on_scan(odometry);
   const Status status = call(odometry);
   if (PyErr_Occurred() != nullptr) throw py::error_already_set();
   return status;

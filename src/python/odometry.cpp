@@ -2,12 +2,15 @@
 // The estimator call by call: rio.Odometry.
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -101,11 +104,10 @@ RadarScan scan_of(std::int64_t time, const py::object& given) {
   const py::array points = array_of(given);
   RadarScan scan;
   scan.time = Time(time);
-  if (points.size() == 0) return scan;
-  if (py::isinstance<py::none>(points.dtype().attr("names"))) {
-    read_matrix(points, &scan);
-  } else {
+  if (!py::isinstance<py::none>(points.dtype().attr("names"))) {
     read_fields(points, &scan);
+  } else if (points.size() > 0) {
+    read_matrix(points, &scan);
   }
   return scan;
 }
@@ -140,9 +142,9 @@ py::dict counters_of(const Odometry& odometry) {
                   "restarts"_a = c.restarts, "position_reopened"_a = c.position_reopened);
 }
 
-/// Those that are calling their on_scan.
-std::vector<const Odometry*>& telling() {
-  static std::vector<const Odometry*> all;  // guarded by the GIL
+/// Those that are calling their on_scan, and the thread that does.
+std::map<const Odometry*, std::thread::id>& telling() {
+  static std::map<const Odometry*, std::thread::id> all;  // guarded by the GIL
   return all;
 }
 
@@ -152,18 +154,19 @@ constexpr const char* kOnScan = "_on_scan";
 /// What the call raises waits in Python until added() throws it; meanwhile no further call.
 void tell(py::handle self) noexcept {
   if (PyErr_Occurred() != nullptr) return;
+  const auto* const odometry = self.cast<const Odometry*>();
+  telling()[odometry] = std::this_thread::get_id();
   try {
-    telling().push_back(self.cast<const Odometry*>());
     (void)self.attr(kOnScan)(self);
   } catch (py::error_already_set& raised) {
     raised.restore();
   }
-  telling().pop_back();
+  telling().erase(odometry);
 }
 
 void set_on_scan(const py::object& self, const py::object& call) {
   auto& odometry = self.cast<Odometry&>();
-  refuse_within_on_scan(odometry);
+  await_on_scan(odometry);
   if (!call.is_none() && PyCallable_Check(call.ptr()) == 0) {
     throw py::type_error("on_scan: a function of the estimator, or None, is expected");
   }
@@ -205,10 +208,19 @@ void bind_views(py::class_<Odometry>* odometry) {
 
 }  // namespace
 
-void refuse_within_on_scan(const Odometry& odometry) {
-  const auto& all = telling();
-  if (std::find(all.begin(), all.end(), &odometry) == all.end()) return;
-  throw std::runtime_error("on_scan: what it calls must not change the estimator");
+void await_on_scan(const Odometry& odometry) {
+  for (;;) {
+    const auto told = telling().find(&odometry);
+    if (told == telling().end()) return;
+    if (told->second == std::this_thread::get_id()) {
+      throw std::runtime_error("on_scan: what it calls must not change the estimator");
+    }
+    {
+      const py::gil_scoped_release others;
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
+    }
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  }
 }
 
 void bind_odometry(py::module_& module) {
@@ -224,7 +236,7 @@ void bind_odometry(py::module_& module) {
              const Given<Vector3d>& accel) {
             return added(o, [&](Odometry& to) { return to.add_imu({Time(time), gyro, accel}); });
           },
-          py::arg("time"), py::arg("gyro"), py::arg("accel"),
+          py::arg("time").noconvert(), py::arg("gyro"), py::arg("accel"),
           "Takes one IMU sample.\n\n"
           "time: int, nanoseconds; gyro: (3,) body axes [rad/s]; accel: (3,) specific force, body\n"
           "axes [m/s^2], +g upwards at rest")
@@ -234,7 +246,7 @@ void bind_odometry(py::module_& module) {
             const RadarScan scan = scan_of(time, points);
             return added(o, [&](Odometry& to) { return to.add_scan(scan, radar); });
           },
-          py::arg("time"), py::arg("points"), py::arg("radar") = 0,
+          py::arg("time").noconvert(), py::arg("points"), py::arg("radar") = 0,
           "Takes one radar scan.\n\n"
           "time: int, nanoseconds, the middle of the chirps\n"
           "points: N x 4 to N x 10: x, y, z [m], radar axes; doppler [m/s], positive = receding;\n"
@@ -264,7 +276,8 @@ void bind_odometry(py::module_& module) {
       .def("on_scan", &set_on_scan, py::arg("call"),
            "From now on call(odometry) is called for every scan that was processed, within the\n"
            "add_imu() or add_scan() that did it, which raises what it raises, once its data are\n"
-           "taken. It may look, but not add anything to this estimator. None ends it.");
+           "taken. It may look, but not add anything to this estimator; other threads that do\n"
+           "wait for it. None ends it.");
   bind_views(&odometry);
   bind_aids(&odometry);
   bind_values(module);

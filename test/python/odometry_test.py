@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """rio.Odometry call by call: what it shows at each scan, its callback, a new start."""
 import gc
+import threading
+import time
 import weakref
+from decimal import Decimal
 
 import numpy as np
 import pytest
@@ -97,6 +100,53 @@ def test_a_call_that_raises_is_raised_and_cannot_add(flight):
     odometry.on_scan(lambda _: other.add_imu(odometry.now().time, [0, 0, 0], [0, 0, 9.81]))
     fly(odometry, flight)
     assert other.counters()["imu_samples"] > 50
+
+
+def test_other_threads_wait_while_a_call_looks(flight):
+    """Each of two estimators in a thread of its own, one with its sensors in two threads."""
+    estimators = [rio.Odometry(sensors=flight) for _ in range(2)]
+    scans = scans_of(flight)
+    for odometry in estimators:
+        fly(odometry, flight, until=scans[60][0])
+    added, refused = [], []
+
+    def look(odometry):
+        time.sleep(0.002)  # others run
+        for other in (lambda: odometry.add_scan(0, []), lambda: odometry.reset()):
+            with pytest.raises(rio.Error, match="must not change"):
+                other()
+        refused.append(odometry)
+
+    def add_imu():
+        for _ in range(100):
+            added.append(estimators[0].add_imu(scans[0][0], [0, 0, 0], [0, 0, 9.81]))
+            time.sleep(0.0005)
+
+    def add_scans(odometry):
+        for number, points in scans[60:80]:
+            odometry.add_scan(number, points)
+            odometry.add_imu(number + 10**8, [0, 0, 0], [0, 0, 9.81])
+
+    for odometry in estimators:
+        odometry.on_scan(look)
+    threads = [threading.Thread(target=add_imu)] + [threading.Thread(target=add_scans, args=(o,)) for o in estimators]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert added == 100 * [rio.Status.STALE] and set(refused) == set(estimators)
+
+
+def test_a_time_is_a_whole_number():
+    odometry = rio.Odometry()
+    for time_ in (np.int64(3), np.array(4)):
+        odometry.add_imu(time_, [0, 0, 0], [0, 0, 9.81])
+    for time_ in (2.5, np.array(2.5), Decimal("2.5"), "2"):
+        with pytest.raises(TypeError):
+            odometry.add_imu(time_, [0, 0, 0], [0, 0, 9.81])
+    assert odometry.counters()["imu_samples"] == 2
+    with pytest.raises(ValueError, match="unknown field"):
+        odometry.add_scan(1, np.zeros(0, [("x", "f8"), ("y", "f8"), ("z", "f8"), ("speed", "f8")]))
 
 
 def test_an_estimator_in_its_own_call_is_collected():

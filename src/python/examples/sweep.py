@@ -5,8 +5,8 @@
     sweep.py radar.sigma_doppler 0.02 0.05 0.1 --recordings a.bag b/ --seeds 8
     sweep.py ... --dask tcp://10.0.0.5:8786       on every machine of a Dask scheduler, where rio is
                                                   installed and the recordings have the same names
-Prints a table: the final drift in % of the path, median over the flights, and how many were lost.
-A recording needs ground truth.
+Prints a table: the final drift in % of the path, median over the flights, and how many were lost
+or failed (why is told). A recording needs ground truth.
 """
 import argparse
 import os
@@ -65,11 +65,15 @@ def main() -> None:
                                       arguments.key, value)
                 jobs[job] = value
         for done, job in enumerate(as_completed(jobs), start=1):
-            drifts[jobs[job]].append(job.result())
+            try:
+                drifts[jobs[job]].append(job.result())
+            except rio.Error as error:
+                print(f"\n{error}", file=sys.stderr)
+                drifts[jobs[job]].append(float("inf"))
             print(f"\r[{'#' * (40 * done // len(jobs)):40}] {done}/{len(jobs)}", end="", file=sys.stderr)
     print(file=sys.stderr)
 
-    print(f"| {arguments.key} | drift [%], median | worst | lost |\n|---|---|---|---|")
+    print(f"| {arguments.key} | drift [%], median | worst | lost, failed |\n|---|---|---|---|")
     for value, all_drifts in drifts.items():
         flown = [d for d in all_drifts if d != float("inf")]
         median, worst = (statistics.median(flown), max(flown)) if flown else (float("nan"),) * 2

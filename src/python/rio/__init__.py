@@ -11,10 +11,11 @@ is an exception: rio.Error (a RuntimeError), with file and line where there is o
 
 from __future__ import annotations
 
+import difflib
 import json
 import os
 from dataclasses import dataclass
-from typing import Any, Iterator, Mapping, NamedTuple, Sequence, Union
+from typing import Any, Iterator, KeysView, Mapping, NamedTuple, Sequence, Union
 
 import numpy as np
 
@@ -88,10 +89,20 @@ class Options:
         self._texts = other._texts
 
     def __getitem__(self, key: str) -> Any:
-        return self.as_dict()[key]
+        values = self.as_dict()
+        if key not in values:
+            near = difflib.get_close_matches(key, values, 1)
+            raise KeyError(key + "".join(f"; did you mean {name}?" for name in near))
+        return values[key]
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.as_dict())
+
+    def keys(self) -> KeysView[str]:
+        return self.as_dict().keys()
+
+    def __len__(self) -> int:
+        return len(self.as_dict())
 
     def as_dict(self) -> dict[str, Any]:
         """The preset, and every key with its value, without sensor files. Given to a replay, all of
@@ -263,11 +274,13 @@ class Finding(NamedTuple):
 
 @dataclass(frozen=True)
 class Findings:
-    """What `rio check` finds in a recording."""
+    """What `rio check` finds in a recording.
+
+    options: proposed options as the text of an option file: Options.from_yaml()
+    """
 
     findings: list[Finding]
     options: str
-    """proposed options as the text of an option file: Options.from_yaml()"""
     notes: list[str]
     damage: str
 

@@ -24,19 +24,21 @@ class Pose(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class Health:
-    """How far the estimate can be trusted; rio/health.hpp."""
+    """How far the estimate can be trusted; rio/health.hpp.
+
+    state: 'initialising', 'ok', 'degraded', 'dead reckoning' or 'lost': the worst of the three
+    quality: 0 to 100; 50 where degraded begins
+    reset_counter: jumps of the estimate, modulo 256
+    severity: every reason: {name: signal over limit}
+    """
 
     state: str
-    """'initialising', 'ok', 'degraded', 'dead reckoning' or 'lost': the worst of the three"""
     position: str
     velocity: str
     heading: str
     quality: int
-    """0 to 100; 50 where degraded begins"""
     reset_counter: int
-    """jumps of the estimate, modulo 256"""
     severity: dict[str, float]
-    """every reason: {name: signal over limit}"""
 
     @property
     def reasons(self) -> dict[str, float]:
@@ -49,36 +51,38 @@ class Health:
 
 @dataclass(frozen=True, eq=False)
 class Report:
-    """The last update; see UpdateReport in rio/report.hpp."""
+    """The last update; see UpdateReport in rio/report.hpp.
+
+    time: stamp of the scan [ns]
+    radar: index of the radar of the scan
+    detections: in the scan
+    detections_kept: after the filter
+    static_detections: inliers of the ego-velocity consensus
+    ego_velocity: (3,) radar axes [m/s]
+    trails: alive after the update
+    landmarks: in the state
+    at_rest: standstill for a while, by IMU and radar
+    models: {model: {'rows_used': ..., 'nis': ...}}
+    calibration: {name of CALIBRATION: (correction to the option, sigma)} of what is estimated, SI units
+    innovations: one record per measurement; fields as of Result.innovations
+    """
 
     time: int
-    """stamp of the scan [ns]"""
     radar: int
-    """index of the radar of the scan"""
     status: Status
     detections: int
-    """in the scan"""
     detections_kept: int
-    """after the filter"""
     static_detections: int
-    """inliers of the ego-velocity consensus"""
     ego_velocity: NDArray[np.float64]
-    """(3,) radar axes [m/s]"""
     ego_velocity_valid: bool
     trails: int
-    """alive after the update"""
     landmarks: int
-    """in the state"""
     landmarks_matched: int
     at_rest: bool
-    """standstill for a while, by IMU and radar"""
     health: Health
     models: dict[str, dict[str, float]]
-    """{model: {'rows_used': ..., 'nis': ...}}"""
     calibration: dict[str, tuple[float, float]]
-    """{name of CALIBRATION: (correction to the option, sigma)} of what is estimated, SI units"""
     innovations: NDArray[np.void]
-    """one record per measurement; fields as of Result.innovations"""
 
 
 class Path(NamedTuple):
@@ -102,45 +106,48 @@ class Event(NamedTuple):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Result:
-    """What a replay estimated, one row per scan; the arrays own their memory."""
+    """What a replay estimated; the arrays own their memory.
+
+    times: (N,) [ns] of the scans; those of several radars at one instant share a row
+    positions: (N, 3) of the body in the world [m]
+    orientations: (N, 4) w, x, y, z
+    velocities: (N, 3) in world axes [m/s]
+    gyro_biases: (N, 3) [rad/s]
+    accel_biases: (N, 3) [m/s^2]
+    covariances: (N, 15, 15) errors of attitude (body axes), position, velocity, gyro bias, accel bias
+    scans: one record per processed scan: time, radar, detections, static_detections, landmarks, ...,
+        calibration and calibration_sigma (8, corrections to the options in the order of CALIBRATION, SI units;
+        a sigma of zero: not estimated)
+    innovations: one record per measurement: time, radar, model (of MODELS), result (of RESULTS), detection,
+        dof, innovation, sigma (of the first row), nis, gate
+    points: one record per point of the filtered scans, in the order of `detection`: time, radar, label (of
+        POINT_LABELS), point (3) in radar axes, position (3) in the world, doppler, snr, residual (doppler minus
+        that of a static point) and its sigma
+    landmark_states: one record per landmark and scan: time, position (3) in the world, covariance (3, 3),
+        last_seen
+    summary: what `rio replay --json` prints
+    verdict: "healthy", "doubtful: why" or "lost: why"
+    notes: of the recording and of the options
+    damage: empty, or where the recording is damaged: it ends there
+    """
 
     times: NDArray[np.int64]
-    """(N,) [ns]; the estimate is at the scan"""
     positions: NDArray[np.float64]
-    """(N, 3) of the body in the world [m]"""
     orientations: NDArray[np.float64]
-    """(N, 4) w, x, y, z"""
     velocities: NDArray[np.float64]
-    """(N, 3) in world axes [m/s]"""
     gyro_biases: NDArray[np.float64]
-    """(N, 3) [rad/s]"""
     accel_biases: NDArray[np.float64]
-    """(N, 3) [m/s^2]"""
     covariances: NDArray[np.float64]
-    """(N, 15, 15) errors of attitude (body axes), position, velocity, gyro bias, accel bias"""
     scans: NDArray[np.void]
-    """one record per processed scan: time, radar, detections, static_detections, landmarks, ...,
-    calibration and calibration_sigma (8, corrections to the options in the order of CALIBRATION, SI
-    units; a sigma of zero: not estimated)"""
     innovations: NDArray[np.void]
-    """one record per measurement: time, radar, model (of MODELS), result (of RESULTS), detection,
-    dof, innovation, sigma (of the first row), nis, gate"""
     points: NDArray[np.void]
-    """one record per point of the filtered scans, in the order of `detection`: time, radar, label (of
-    POINT_LABELS), point (3) in radar axes, position (3) in the world, doppler, snr, residual (doppler
-    minus that of a static point) and its sigma"""
     landmark_states: NDArray[np.void]
-    """one record per landmark and scan: time, position (3) in the world, covariance (3, 3), last_seen"""
     events: list[Event]
     summary: dict[str, Any]
-    """what `rio replay --json` prints"""
     verdict: str
-    """"healthy", "doubtful: why" or "lost: why" """
     lost: bool
     notes: list[str] = field(default_factory=list)
-    """of the recording and of the options"""
     damage: str = ""
-    """empty, or where the recording is damaged: it ends there"""
 
     @property
     def landmarks(self) -> NDArray[np.void]:
