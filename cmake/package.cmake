@@ -1,5 +1,6 @@
-# `cpack` in the build folder writes Debian packages: librio0 (the shared library), librio-dev, rio (the programs) and
-# python3-rio. Configure with -DCMAKE_INSTALL_PREFIX=/usr -DBUILD_SHARED_LIBS=ON -DRIO_BUILD_PYTHON=ON.
+# `cpack` in the build folder writes Debian packages: librio0 (the shared library), librio-dev, rio (the programs),
+# python3-rio and rio-ros2. Configure with -DCMAKE_INSTALL_PREFIX=/usr -DBUILD_SHARED_LIBS=ON -DRIO_BUILD_PYTHON=ON
+# -DRIO_BUILD_ROS2=ON.
 find_program(RIO_GZIP gzip)
 mark_as_advanced(RIO_GZIP)
 if(NOT RIO_GZIP)
@@ -65,7 +66,14 @@ if(TARGET rio_tool)
     "Replays and checks recordings, runs live, calibrates, simulates and evaluates:\nrio and rio-lab, with their manual page.")
 endif()
 if(TARGET rio_python)
-  rio_package(python python3-rio python "python3, python3-numpy${needs_library}" "radar-inertial odometry, Python package"
+  find_package(Python3 REQUIRED COMPONENTS Interpreter)  # the module is for this one alone
+  math(EXPR next "${Python3_VERSION_MINOR} + 1")
+  set(needs_python "python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next}), python3-numpy")
+  rio_package(python python3-rio python "${needs_python}${needs_library}" "radar-inertial odometry, Python package"
     "Replays recordings and feeds the estimator from Python, with numpy arrays.")
+endif()
+if(TARGET rio_ros2)
+  rio_package(ros2 rio-ros2 science "libc6${needs_library}" "radar-inertial odometry, node of ROS 2"
+    "IMU and radar topics in, odometry out, without a ROS installation: it speaks DDS.")
 endif()
 include(CPack)

@@ -48,7 +48,7 @@ function(rio_part_of_programs target)
   rio_optimise_little(${target})
 endfunction()
 
-# A program that is installed.
+# A program that is installed, with the component `tools` if none is given.
 function(rio_program target name)
   find_package(CLI11 REQUIRED)
   set_target_properties(${target} PROPERTIES OUTPUT_NAME ${name})
@@ -56,5 +56,8 @@ function(rio_program target name)
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/src)
   rio_enable_warnings(${target})
   rio_optimise_little(${target})
-  install(TARGETS ${target} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tools)
+  if(NOT ARGN)
+    set(ARGN tools)
+  endif()
+  install(TARGETS ${target} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT ${ARGN})
 endfunction()

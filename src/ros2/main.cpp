@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -27,21 +28,58 @@ namespace {
 constexpr const char* kNode = "rio";
 constexpr const char* kSection = "ros__parameters";
 
-/// The values of the node `rio` (or /rio, NAMESPACE/rio, /**) in a parameter file.
+/// The values that are of this node. Those of all nodes may be of others, which is noted.
+/// @param shared they are of all nodes
+YAML::Node own_values(const io::YamlFile& all, const YAML::Node& values, bool shared,
+                      const Parameters& parameters) {
+  std::set<std::string_view> keys;
+  visit_fields(parameters, [&](const FieldInfo& field, const auto&) { keys.insert(field.key); });
+  YAML::Node own(YAML::NodeType::Map);
+  for (const auto& entry : values) {
+    const std::string key = entry.first.Scalar();
+    if (key == "qos_overrides") continue;  // of rclcpp
+    if (shared && keys.count(key) == 0) {
+      fmt::print(stderr, "rio-ros2: {}:{}: \"{}\" is no parameter of this node\n", all.name,
+                 entry.first.Mark().line + 1, key);
+      continue;
+    }
+    if (key == "radar_topics" && entry.second.IsSequence()) {
+      own[key] = fmt::format("{}", fmt::join(entry.second.as<std::vector<std::string>>(), ","));
+    } else {
+      own[entry.first] = entry.second;
+    }
+  }
+  return own;
+}
+
+/// The values of the node `rio` (or /rio, NAMESPACE/rio, NAMESPACE: rio, /**) in a part of a
+/// parameter file.
 /// @param called its name, if not `rio`
+/// @return whether there are any
+bool read_nodes(const io::YamlFile& all, const YAML::Node& part, const std::string& called,
+                Parameters* parameters) {
+  bool found = false;
+  for (const auto& node : part) {
+    const std::string name = node.first.Scalar().substr(node.first.Scalar().rfind('/') + 1);
+    const bool shared = name == "**" || name == "*";
+    const YAML::Node values = node.second.IsMap() ? node.second[kSection] : YAML::Node();
+    if (!values.IsDefined() || !values.IsMap()) {
+      if (name == called) io::fail_at(all, node.second, std::string("no ") + kSection);
+      found |= node.second.IsMap() && read_nodes(all, node.second, called, parameters);
+    } else if (shared || name == called) {
+      io::read_fields({all.name, own_values(all, values, shared, *parameters)}, "", parameters);
+      found = true;
+    }
+  }
+  return found;
+}
+
 /// @throws std::runtime_error "FILE:LINE: ..." for unknown parameters, and if the node is missing
 void load_parameters(const std::string& file, const std::string& called, Parameters* parameters) {
   const io::YamlFile all = io::load_yaml(file);
-  bool found = false;
-  for (const auto& node : all.root) {
-    const std::string name = node.first.Scalar().substr(node.first.Scalar().rfind('/') + 1);
-    if (name != called && name != "**" && name != "*") continue;
-    const YAML::Node values = node.second[kSection];
-    if (!values.IsDefined()) io::fail_at(all, node.second, std::string("no ") + kSection);
-    io::read_fields({all.name, values}, "", parameters);
-    found = true;
+  if (!read_nodes(all, all.root, called, parameters)) {
+    throw std::runtime_error(file + ": no parameters of a node /" + called);
   }
-  if (!found) throw std::runtime_error(file + ": no parameters of a node /" + called);
 }
 
 /// The parts of "NAME:=VALUE".
@@ -98,6 +136,7 @@ int run(int argc, char** argv) {
   std::vector<std::string> files;
   std::vector<std::string> values;
   std::vector<std::string> rules;
+  std::string level;
   bool print = false;
   bool ros = false;
   app.add_flag("--ros-args", ros, "as ROS 2 starts nodes; what follows is the same without it");
@@ -106,6 +145,7 @@ int run(int argc, char** argv) {
   app.add_option("-r,--remap", rules,
                  "another topic, as /imu/data:=/mavros/imu/data_raw; __node:=NAME")
       ->allow_extra_args(false);
+  app.add_option("--log-level", level, "as ROS 2 starts nodes; without effect");
   app.add_flag("--print-params", print, "print a parameter file with every value, and end");
   try {
     app.parse(argc, argv);

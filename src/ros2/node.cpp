@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
 
+#include "bag/point_presets.hpp"
 #include "estimator_options.hpp"
 #include "rio/aiding.hpp"
 #include "rio/models/aids.hpp"
@@ -36,6 +38,7 @@ bag::Topic topic(const std::string& name, const char* type) {
 Node::Node(const Parameters& parameters, unsigned domain)
     : parameters_(parameters), participant_(domain) {
   make_options();
+  make_request();
   std::string why;
   odometry_ = Odometry::create(options_, &why);
   if (odometry_ == nullptr) throw std::runtime_error(why);
@@ -68,12 +71,21 @@ void Node::make_options() {
   }
 }
 
+void Node::make_request() {
+  if (!parameters_.map.empty()) request_ = bag::load_recording_map(parameters_.map);
+  if (!parameters_.points.empty()) request_.points.preset = parameters_.points;
+  if (!request_.points.preset.empty()) (void)bag::find_preset(request_.points, {});
+}
+
 void Node::subscribe() {
+  std::set<std::string> names = {parameters_.odometry_topic, parameters_.pose_topic,
+                                 parameters_.points_topic, parameters_.reset_topic};
   const Qos qos = parameters_.reliable ? Qos::kReliable : Qos::kSensorData;
   const auto add = [&](const std::string& name, const dds_topic_descriptor_t& type, int depth,
                        const char* ros_type, void (Node::*hand_over)(Source*), std::size_t radar) {
-    sources_.push_back(
-        {Reader(&participant_, name, type, qos, depth), topic(name, ros_type), hand_over, radar});
+    if (!names.insert(name).second) throw std::runtime_error(name + ": two topics have this name");
+    sources_.push_back({Reader(&participant_, name, type, qos, depth), topic(name, ros_type),
+                        hand_over, radar, bag::CloudReader(request_.points)});
   };
   add(parameters_.imu_topic, sensor_msgs_msg_dds__Imu__desc, kImuDepth, bag::kImuType,
       &Node::add_imu, 0);
@@ -102,7 +114,7 @@ void Node::step() {
   }
   take_reset();
   if (source != nullptr) {
-    decode(source, [&] { (this->*source->hand_over)(source); });
+    (this->*source->hand_over)(source);
     source->stamp.reset();
   }
   if (error_) std::rethrow_exception(error_);
@@ -119,8 +131,9 @@ Node::Source* Node::oldest() {
   Source* oldest = nullptr;
   for (Source& source : sources_) {
     while (!source.stamp && source.reader.take(&source.message)) {
-      decode(&source,
-             [&] { source.stamp = bag::decode_header(bag::Encoding::kCdr, source.message).stamp; });
+      (void)decode(&source, [&] {
+        source.stamp = bag::decode_header(bag::Encoding::kCdr, source.message).stamp;
+      });
     }
     if (source.stamp && (oldest == nullptr || source.stamp < oldest->stamp)) oldest = &source;
   }
@@ -128,19 +141,27 @@ Node::Source* Node::oldest() {
 }
 
 template <class Decode>
-void Node::decode(Source* source, const Decode& decode_it) {
+bool Node::decode(Source* source, const Decode& decode_it) {
   try {
     decode_it();
-  } catch (const bag::Damage& damage) {
+    return true;
+  } catch (const std::runtime_error& why) {
     ++refused_;
-    if (std::exchange(source->refused, true)) return;
-    fmt::print(stderr, "rio-ros2: {}: a message is left out: {}\n", source->topic.name,
-               damage.what());
+    if (!std::exchange(source->refused, true)) {
+      fmt::print(stderr, "rio-ros2: {}: a message is left out: {}\n", source->topic.name,
+                 why.what());
+    }
+    return false;
   }
 }
 
 void Node::add_imu(Source* source) {
-  const bag::ImuMessage message = bag::decode_imu_of(source->topic, source->message);
+  bag::ImuMessage message;
+  if (!decode(source, [&] {
+        message = bag::imu_message(source->topic, {0, Time(0), source->message}, request_);
+      })) {
+    return;
+  }
   outputs_->set_body_frame(message.header.frame_id);
   (void)odometry_->add_imu(message.sample);  // its outcome is counted
   ++source->taken;
@@ -149,27 +170,31 @@ void Node::add_imu(Source* source) {
 }
 
 void Node::add_scan(Source* source) {
-  const bag::PointCloud cloud = bag::decode_cloud_of(source->topic, source->message);
-  scan_.time = cloud.header.stamp;
-  scan_.detections.clear();
-  if (cloud.size() > 0) {
-    std::optional<bag::PointMap>& map = source->map;
-    if (!map || map->fields() != cloud.fields) {
-      bag::PointRequest request;
-      request.preset = parameters_.points;
-      map.emplace(cloud.fields, request);
-      fmt::print(stderr, "rio-ros2: {}: {}\n", source->topic.name, map->text());
-    }
-    (void)map->convert(cloud, &scan_.detections);
+  bag::Header header;
+  std::vector<std::string> notes;
+  if (!decode(source, [&] {
+        header = source->cloud.read(source->topic, {0, Time(0), source->message}, &scan_.detections,
+                                    &notes);
+      })) {
+    return;
   }
+  for (const std::string& note : notes) {
+    fmt::print(stderr, "rio-ros2: {}: {}\n", source->topic.name, note);
+  }
+  scan_.time = header.stamp;
   ++source->taken;
-  outputs_->keep_points(scan_, source->radar, cloud.header.frame_id);
+  outputs_->keep_points(scan_, source->radar, header.frame_id);
   (void)odometry_->add_scan(scan_, source->radar);  // its outcome is counted
 }
 
 void Node::add_pressure(Source* source) {
   bag::Header header;
-  const double pressure = bag::decode_pressure(bag::Encoding::kCdr, source->message, &header);
+  double pressure = 0.0;
+  if (!decode(source, [&] {
+        pressure = bag::decode_pressure(bag::Encoding::kCdr, source->message, &header);
+      })) {
+    return;
+  }
   const io::BaroSample sample{header.stamp, pressure};
   if (!heights_.any && heights_.height(sample)) {
     heights_.zero = *heights_.height(sample);

@@ -10,8 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "bag/recording_sources.hpp"
 #include "rio/bag/messages.hpp"
-#include "rio/bag/point_fields.hpp"
+#include "rio/bag/recording.hpp"
 #include "rio/io/barometer.hpp"
 #include "rio/rio.hpp"
 #include "ros2/dds.hpp"
@@ -37,7 +38,7 @@ class Node {
     bag::Topic topic;
     void (Node::*hand_over)(Source*);
     std::size_t radar = 0;
-    std::optional<bag::PointMap> map{};   ///< of a radar
+    bag::CloudReader cloud;               ///< of a radar
     std::vector<std::uint8_t> message{};  ///< the oldest one, if one waits
     std::optional<Time> stamp{};          ///< of it
     std::uint64_t taken = 0;
@@ -45,15 +46,18 @@ class Node {
   };
 
   void make_options();
+  /// How the messages are read. @throws std::runtime_error if there is no such preset or file
+  void make_request();
   void subscribe();
   /// Names the topics of IMU and radars on which nothing has come.
   std::string silence() const;
   /// Of the messages that wait the one with the oldest stamp, so that after a stall of the machine
   /// the sensors go on side by side; nullptr if none waits.
   Source* oldest();
-  /// A message that is not what its type says is left out, and told of the first of each topic.
+  /// False if the message is not what its type and `request_` say: it is left out, and told of the
+  /// first of each topic.
   template <class Decode>
-  void decode(Source* source, const Decode& decode_it);
+  bool decode(Source* source, const Decode& decode_it);
   void add_imu(Source* source);
   void add_scan(Source* source);
   void add_pressure(Source* source);
@@ -64,6 +68,7 @@ class Node {
   Parameters parameters_;
   Participant participant_;
   Options options_;
+  bag::RecordingRequest request_;
   std::unique_ptr<Odometry> odometry_;
   std::optional<Outputs> outputs_;
   std::vector<Source> sources_;  ///< IMU, radars, pressure

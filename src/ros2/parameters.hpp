@@ -15,6 +15,7 @@ struct Parameters {
   std::string radar_type = "PointCloud2";
   std::string pressure_topic;
   std::string points;
+  std::string map;
   std::string sensors;
   std::string config;
   std::string preset;
@@ -39,10 +40,13 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<ParametersT>, Parameters>> v
     visit(FieldInfo{key, "", doc, 0.0, 0.0}, value);
   };
   text("imu_topic", p.imu_topic, "sensor_msgs/Imu.");
-  text("radar_topics", p.radar_topics, "One topic, or up to four with commas between.");
+  text("radar_topics", p.radar_topics, "One topic, or up to four: a list, or with commas between.");
   text("radar_type", p.radar_type, "PointCloud2 (sensor_msgs) or RadarScan (radar_msgs).");
   text("pressure_topic", p.pressure_topic, "sensor_msgs/FluidPressure; empty: no barometer.");
   text("points", p.points, "Preset of the fields of the points, as `rio replay --points`.");
+  text(
+      "map", p.map,
+      "Map file, as `rio replay --map`: fields and axes of the points, axes and units of the IMU.");
   text("sensors", p.sensors, "Folder with imu0/sensor.yaml, radar0/sensor.yaml, ...");
   text("config", p.config, "Option file of rio; wins over the sensor files.");
   text("preset", p.preset, "Preset of the options.");

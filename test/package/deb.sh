@@ -18,7 +18,8 @@ if [ "$arch" != "$host" ]; then
 fi
 [ -f "$build/CMakeCache.txt" ] || cmake -G Ninja -S . -B "$build" -DCMAKE_BUILD_TYPE=Release -DRIO_BUILD_TESTS=OFF \
   -DRIO_BUILD_EXAMPLES=OFF "${cross[@]}"
-cmake -B "$build" -DCMAKE_INSTALL_PREFIX=/usr -DBUILD_SHARED_LIBS=ON -DRIO_BUILD_PYTHON=ON \
+[ "$arch" != "$host" ] || cross=(-DRIO_BUILD_ROS2=ON)
+cmake -B "$build" -DCMAKE_INSTALL_PREFIX=/usr -DBUILD_SHARED_LIBS=ON -DRIO_BUILD_PYTHON=ON "${cross[@]}" \
   -DPython3_EXECUTABLE=/usr/bin/python3 >/dev/null
 cmake --build "$build" --target package -j "$(nproc)"
 version=$("${emulator[@]}" "$build"/src/tools/rio --version | sed -n '1s/ .*//p')
@@ -48,6 +49,7 @@ if [ "$arch" != "$host" ]; then
 fi
 export LD_LIBRARY_PATH=$libraries
 "$root/usr/bin/rio" --version
+"$root/usr/bin/rio-ros2" --print-params | head -3
 "$root/usr/bin/rio" replay "$source/data/sample_flight" --out flight.tum
 PYTHONPATH=$root/usr/lib/python3/dist-packages /usr/bin/python3 - "$source/data/sample_flight" flight.tum <<'CHECK'
 import pathlib, sys

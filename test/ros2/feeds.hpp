@@ -62,10 +62,12 @@ Imu_ imu_of(const Row& row) {
   return message;
 }
 
-/// Rows from..to; in doubles, so that the estimates can be those of a replay to the bit.
+/// Rows from..to; in doubles, so that the estimates can be those of a replay to the bit. One of a
+/// driver that has no Doppler if the first SNR is below zero.
 PointCloud2_ cloud_of(const std::vector<Row>& rows, std::size_t from, std::size_t to) {
   constexpr std::uint8_t kFloat64 = 8;
-  const char* const names[] = {"x", "y", "z", "doppler", "snr", "noise"};
+  const char* const doppler = rows[from].values[4] < 0.0 ? "power" : "doppler";
+  const char* const names[] = {"x", "y", "z", doppler, "snr", "noise"};
   PointCloud2_ message;
   stamp(&message, rows[from].time, "radar");
   for (std::uint32_t i = 0; i < 6; ++i) {

@@ -184,7 +184,8 @@ def test_heights_of_a_barometer_are_over_the_start_of_a_reset(domain, tmp_path):
                                                     [(0, 0.02), (0, 0.02), (9.81, 0.02)]))
         if k % 20 == 0:
             files["baro0"].append(f"{time_},{0 if k == 1000 else 100_000 - 600 * (k > 1000) + noise(0, 2)}")
-            files["radar0"] += [f"{time_},{noise(3, 0.02)},{0.2 * i},{0.1 * (i % 3)},{noise(0, 0.02)},20,0"
+            snr = -1 if k == 1500 else 20  # and one cloud has no Doppler
+            files["radar0"] += [f"{time_},{noise(3, 0.02)},{0.2 * i},{0.1 * (i % 3)},{noise(0, 0.02)},{snr},0"
                                 for i in range(-6, 7)]
     for name, rows in files.items():
         (tmp_path / name).mkdir()
@@ -194,7 +195,10 @@ def test_heights_of_a_barometer_are_over_the_start_of_a_reset(domain, tmp_path):
     with Started(tmp_path / "rio", *node, env=environment) as rio:
         with Started(tmp_path / "player", REFEREE, "play", tmp_path, 2.0, env=environment) as player:
             assert player.process.wait(timeout=60) == 0, player.text()
+        rio.process.send_signal(signal.SIGINT)
+        assert rio.process.wait(timeout=10) == 0, rio.text()
     assert "reset: starts anew" in rio.text()
+    assert "/radar0/points: a message is left out: " in rio.text() and ", 1 messages left out; ok" in rio.text()
     assert [words[1:-1] for words in lines(player.text())["diagnostics"]][-1] == ["ok"]
     assert "no `sensors`: mounting and noise by the options" in rio.text()
 
@@ -232,6 +236,15 @@ def test_it_takes_what_a_launch_file_passes(tmp_path):
     renamed = run(*launched, "-r", "/imu/data:=/mavros/imu").stdout
     assert "odometry_rate: 50" in renamed and 'imu_topic: "/mavros/imu"' in renamed
     assert "no topic /imu" in run("-r", "/imu:=/mavros/imu").stderr
+    file.write_text("/**:\n  ros__parameters: {odometry_rate: 50, of_others: 1, qos_overrides: {}}\n"
+                    "front:\n  odometry:\n    ros__parameters: {radar_topics: [/left, /right]}\n")
+    shared = run(*launched, "--log-level", "info")
+    assert "odometry_rate: 50" in shared.stdout and 'radar_topics: "/left,/right"' in shared.stdout
+    assert 'launch_params:2: "of_others" is no parameter of this node' in shared.stderr
+    for wrong, why in (("radar_topics:=/imu/data", "/imu/data: two topics have this name"),
+                       ("points:=nope", 'no such preset of points: "nope"')):
+        told = subprocess.run([os.environ["RIO_ROS2"], "-p", wrong], text=True, capture_output=True, timeout=20)
+        assert told.returncode == 1 and why in told.stderr
     for wrong in ("abc", "-1", "5x", "233"):
         told = subprocess.run([os.environ["RIO_ROS2"]], text=True, capture_output=True, timeout=20,
                               env=dict(os.environ, ROS_DOMAIN_ID=wrong))
