@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <set>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -109,6 +110,16 @@ inline bool is_section(const std::string& key, const std::vector<std::string>& k
   return false;
 }
 
+inline std::vector<std::string> sections_of(const std::vector<std::string>& keys) {
+  std::set<std::string> sections;
+  for (const std::string& key : keys) {
+    for (std::size_t dot = 0; (dot = key.find('.', dot)) != std::string::npos; ++dot) {
+      sections.insert(key.substr(0, dot));
+    }
+  }
+  return {sections.begin(), sections.end()};
+}
+
 /// Opens the sections of `key` that `previous` does not have; returns the indented last part.
 inline std::string open_sections(std::string_view key, std::string_view previous,
                                  std::string* text) {
@@ -159,7 +170,9 @@ void read_section(const YamlFile& file, const YAML::Node& map, const std::string
     } else if (why != closed.end()) {
       fail_at(file, entry.first, key + " " + why->why);
     } else if (!set_field(file, key, value, object)) {
-      fail_at(file, entry.first, "unknown key \"" + key + "\"" + did_you_mean(key, keys));
+      fail_at(file, entry.first,
+              "unknown key \"" + key + "\"" +
+                  did_you_mean(key, value.IsMap() ? sections_of(keys) : keys));
     }
   }
 }

@@ -15,6 +15,7 @@
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <stdexcept>
 #include <utility>
 
@@ -186,6 +187,15 @@ PortSet::PortSet(const HostClock& clock, double patience, OnMessage on_message)
       buffer_(kBuffer) {}
 
 Port& PortSet::add(Watched watched) {
+  for (const Entry& entry : entries_) {
+    const std::string& other = entry.watched.port.name();
+    if (std::filesystem::weakly_canonical(other) !=
+        std::filesystem::weakly_canonical(watched.port.name())) {
+      continue;
+    }
+    throw std::runtime_error(other + ": given for two, " + entry.watched.what + " and " +
+                             watched.what);
+  }
   entries_.push_back({std::move(watched)});
   entries_.back().since = HostClock::real();
   return entries_.back().watched.port;

@@ -105,6 +105,7 @@ class PortSet {
   PortSet(const HostClock& clock, double patience, OnMessage on_message);
 
   /// Ports are polled in this order. The port keeps its address.
+  /// @throws std::runtime_error if there is a port of this name
   Port& add(Watched watched);
 
   /// Waits for bytes, 50 ms at most, and passes them on.

@@ -16,6 +16,13 @@ namespace {
 
 using EkfTest = ScanwiseTest<EkfFlight>;
 
+/// A back-end that takes no lambda with captures, as the pipeline and the checks pass them.
+struct TakesFunctionsAlone : Ekf {
+  using Ekf::Ekf;
+  void replace(void (*change)(StateEstimate*), Invalidates what, UpdateReport* report);
+};
+static_assert(OdometryBackEnd<Ekf> && !OdometryBackEnd<TakesFunctionsAlone>);
+
 TEST_F(EkfTest, KeepsTheLastClonesFirstInFirstOut) {
   flight_.begin(flight_.options("published-ekf"));
   for (std::size_t i = 0; i < 20; ++i) {

@@ -140,6 +140,8 @@ TEST(OptionsYaml, UnknownKeysAreRejectedWithSuggestion) {
                "o.yaml:2: unknown key \"radar.sigma_dopler\", did you mean "
                "\"radar.sigma_doppler\"?");
   EXPECT_ERROR(parsed("imu: {sigma_doppler: 1}\n"), "did you mean \"radar.sigma_doppler\"?");
+  EXPECT_ERROR(parsed("radr: {sigma_doppler: 1}\n"),
+               "unknown key \"radr\", did you mean \"radar\"?");
   EXPECT_ERROR(parsed("max_clones: 3\n"), "did you mean \"update.max_clones\"?");
   EXPECT_ERROR(parsed("presett: default\n"), "did you mean \"preset\"?");
   EXPECT_ERROR(parsed("preset: default\nimu: &x [*x]\n"), "o.yaml:2: an anchor that contains");

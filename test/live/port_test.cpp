@@ -190,6 +190,17 @@ TEST(PortSet, IsOverWhenPatienceIs) {
   EXPECT_PRED2(rio::test::contains, watcher.messages[0], "nothing is not there");
 }
 
+TEST(PortSet, RefusesAPortTwice) {
+  TempDir dir;
+  Watcher watcher(0.0);
+  const std::filesystem::path port = dir.write("a", "");
+  std::filesystem::create_symlink(port, dir.path() / "b");
+  watcher.ports.add(watcher.watched(port.string(), true));
+  watcher.ports.add(watcher.watched("udp:14551", false));
+  EXPECT_ERROR(watcher.ports.add(watcher.watched((dir.path() / "b").string(), true)),
+               "a: given for two, radar and radar");
+}
+
 TEST(PortSet, IsOverWhenItsFilesAre) {
   TempDir dir;
   Watcher watcher(1e9);

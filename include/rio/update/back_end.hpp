@@ -21,6 +21,12 @@ enum class Invalidates {
   kLandmarks,  ///< they agree with the state before; the caller drops the trails
 };
 
+/// What replace() is called with: a function object, as a lambda with captures is.
+struct StateChange {
+  std::size_t captured;
+  void operator()(StateEstimate* estimate) const;
+};
+
 /// | stage       | member                                     | may change                        |
 /// | ----------- | ------------------------------------------ | --------------------------------- |
 /// | start       | reset(nav, P0)                             | everything                        |
@@ -43,7 +49,7 @@ concept OdometryBackEnd = std::constructible_from<B, const Options&> &&
     requires(B b, const B& read, const NavState& nav, const BodyCovariance& P0, std::size_t radar,
              Time time, const ImuBuffer& imu, bool* gap, const Observations& seen,
              const ScanRows& rows, const Promotions& promotions, UpdateReport* report,
-             void (*change)(StateEstimate*)) {
+             const StateChange& change) {
   { read.estimate() } -> std::same_as<const Estimate&>;
   { read.state_estimate() } -> std::same_as<const StateEstimate&>;
   b.reset(nav, P0);
