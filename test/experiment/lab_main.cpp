@@ -2,9 +2,12 @@
 // The `rio-lab` program, started by `rio experiment`: runs an experiment, prints its tables, writes
 // them with their data and charts. Exit codes: 0 success, 1 the experiment failed, 2 wrong command
 // line.
+#include <fmt/chrono.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <ctime>
 #include <exception>
 #include <filesystem>
 #include <functional>
@@ -65,6 +68,13 @@ std::vector<std::string> blocks_of(const fs::path& page) {
   return names;
 }
 
+/// Below every report: the day, and the program that made it.
+std::string signature() {
+  const std::string version = rio::tools::version_text();
+  return fmt::format("\nWritten on {:%Y-%m-%d} by version {}.\n", fmt::gmtime(std::time(nullptr)),
+                     version.substr(0, version.find('\n')));
+}
+
 /// @param name prefix of progress lines if stderr is not a terminal; empty: none
 void run_experiment(const Arguments& arguments, const std::string& name = {}) {
   const auto chosen = std::find_if(std::begin(kExperiments), std::end(kExperiments),
@@ -82,6 +92,7 @@ void run_experiment(const Arguments& arguments, const std::string& name = {}) {
     settings.on_progress = [&](std::size_t done, std::size_t total) { progress.show(done, total); };
     result = chosen->run(settings);
   }
+  result.markdown += signature();
   std::fputs(result.markdown.c_str(), stdout);
   write_text(out / (arguments.name + ".md"), result.markdown);
   for (const Attachment& file : result.attachments) write_text(out / file.name, file.text);

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Xu, Huang, Shen, Yin, "Incorporating Point Uncertainty in Radar SLAM", on simulated flights: the
 // benefit of the polar noise of each point (Table I), its correct size (Table II, Fig. 8), matching
-// by probability against matching by distance (Fig. 7), comparison of estimators (Table III).
+// by probability against matching by distance (Fig. 7), comparison of estimators (Table III); the
+// noise of points (Figs. 3 and 5).
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,6 +18,7 @@
 #include "experiment/experiment.hpp"
 #include "experiment/figures.hpp"
 #include "plot/chart.hpp"
+#include "rio/models/detection.hpp"
 
 namespace rio::experiment {
 
@@ -192,6 +197,50 @@ std::string scaling_chart(const Outcomes& runs) {
   return plot::draw_chart("Sigmas of range and angles off from those simulated", {p}, 1);
 }
 
+/// The three-sigma ellipse of a point in the plane of x and another axis.
+plot::Curve ellipse(const char* label, const Vector3d& point, const Matrix3d& covariance, int axis,
+                    const plot::Stroke& stroke) {
+  constexpr int kSteps = 48;
+  const std::array shown = {0, axis};
+  const Eigen::Matrix2d root = covariance(shown, shown).llt().matrixL();
+  plot::Curve curve{label, {}, stroke};
+  for (int i = 0; i <= kSteps; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / kSteps;
+    const Eigen::Vector2d off = 3.0 * root * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    curve.points.push_back({point.x() + off.x(), point[axis] + off.y()});
+  }
+  return curve;
+}
+
+/// Points by range and angle: their polar noise from above, and from the side beside the same
+/// noise in all directions.
+std::string noise_chart() {
+  Options options;
+  if (!preset(kPreset, &options)) throw std::logic_error("no such preset");
+  const auto seen = [&](double range, double azimuth, double elevation) {
+    const Vector3d u(std::cos(elevation) * std::cos(azimuth),
+                     std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+    return make_detection({.point_S = range * u}, options.radar);
+  };
+  const Matrix3d everywhere =
+      point_covariance(seen(4.0, 0.0, 0.0)).trace() / 3.0 * Matrix3d::Identity();
+  plot::Panel above = panel("from above", "x [m]", "y [m]");
+  plot::Panel side = panel("from the side", "x [m]", "z [m]");
+  for (const double range : {2.0, 4.0, 6.0, 8.0}) {
+    for (const double angle : {-0.7, -0.35, 0.0, 0.35, 0.7}) {
+      const Detection aside = seen(range, angle, 0.0);
+      const Detection up = seen(range, 0.0, 0.5 * angle);
+      above.curves.push_back(
+          ellipse("polar", aside.point_S, point_covariance(aside), 1, plot::curve_stroke(0)));
+      side.curves.push_back(
+          ellipse("polar", up.point_S, point_covariance(up), 2, plot::curve_stroke(0)));
+      side.curves.push_back(
+          ellipse("the same in all directions", up.point_S, everywhere, 2, plot::curve_stroke(1)));
+    }
+  }
+  return plot::draw_chart("Noise of points: three sigmas", {above, side}, 2);
+}
+
 }  // namespace
 
 Result uncertainty(const Settings& settings) {
@@ -230,6 +279,7 @@ Result uncertainty(const Settings& settings) {
   return {text,
           {{"uncertainty.csv", outcomes_as_csv(runs)},
            {"uncertainty.svg", scaling_chart(runs)},
+           {"uncertainty-points.svg", noise_chart()},
            {"uncertainty-paths.svg",
             chart_of_paths("With and without the uncertainty of the points", flown)}}};
 }
