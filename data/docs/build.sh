@@ -24,5 +24,5 @@ sed -E -i -e 's,\]\((\.\./)*(data/)?results/README\.md,](results.md,g; s,\]\((\.
   -e 's,\]\((\.\./|data/)(results|pictures)/([a-z0-9]+\.(svg|png)),](\3,g' \
   -e 's,\[([^]]*)\]\((\.\./|config/|awr|src/|include/)[^)]*\),\1,g' "$out"/source/*.md
 cp data/results/*.svg data/pictures/*.png "$out/source/"
-sphinx-build -q -W --keep-going -j auto -D "version=$version" -D "release=$version" "$out/source" "$out/html"
+RIO_PYTHON_SOURCE=$PWD/src/python PYTHONDONTWRITEBYTECODE=1 sphinx-build -q -W --keep-going -j auto -D "version=$version" -D "release=$version" "$out/source" "$out/html"
 echo "$out/html/index.html"
