@@ -64,10 +64,11 @@ struct WrongResult : std::runtime_error {
 
 /// What a run is shown in, besides its trajectory. Empty: not at all.
 struct ViewArguments {
-  std::string report;  ///< HTML page
-  std::string log;     ///< folder of CSV files
-  std::string mcap;    ///< file for viewers
-  std::string port;    ///< of the live view; 0: any that is free
+  std::string report;             ///< HTML page
+  std::string log;                ///< folder of CSV files
+  std::string mcap;               ///< file for viewers
+  std::vector<std::string> also;  ///< TUM files of other estimates, for the viewers
+  std::string port;               ///< of the live view; 0: any that is free
   std::string address = "127.0.0.1";
 };
 

@@ -110,6 +110,9 @@ std::vector<Run> runs_of(const CompareArguments& arguments) {
     std::vector<std::string> ignored;
     (void)io::flown_options(variant.second, {}, {}, &ignored);
   }
+  for (const std::string& path : arguments.runs) {
+    if (!is_recording(path)) (void)io::read_trajectory(path);
+  }
   const bool any = std::any_of(arguments.runs.begin(), arguments.runs.end(), is_recording);
   const EstimatorArguments& given = arguments.estimator;
   const bool flies = !variants.front().first.empty() || !given.config.empty() ||

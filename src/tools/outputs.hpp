@@ -17,8 +17,11 @@ inline std::filesystem::path named(const std::filesystem::path& path) {
   return normal.has_filename() ? normal : normal.parent_path();
 }
 
-/// @throws std::runtime_error if the folder of a file to write is not there
+/// @throws std::runtime_error if the folder of a file to write is not there, or the file is one
 inline void expect_folder(const std::filesystem::path& file) {
+  if (std::filesystem::is_directory(file)) {
+    throw std::runtime_error(file.string() + ": cannot be written: it is a folder");
+  }
   const std::filesystem::path folder = file.parent_path();
   if (folder.empty() || std::filesystem::is_directory(folder)) return;
   throw std::runtime_error(file.string() + ": cannot be written: there is no such folder");

@@ -226,11 +226,14 @@ Series truth_series(const eval::Trajectory& truth, const std::vector<Series>& es
 }  // namespace
 
 void plot(const PlotArguments& arguments) {
+  std::vector<std::string> inputs = arguments.estimates;
+  inputs.push_back(arguments.truth);
+  protect_inputs(inputs, {arguments.out});
   const std::filesystem::path out = arguments.out;
-  if (out.extension() == ".png" || out.extension() == ".pdf") {
+  if (out.has_extension() && out.extension() != ".svg") {
     throw std::runtime_error(fmt::format(
-        "{0}: an SVG is drawn; name it {1}.svg, then: rsvg-convert {1}.svg{2} -o {0} (package "
-        "librsvg2-bin)",
+        "{0}: an SVG is drawn; name it {1}.svg, then for a PNG or PDF: rsvg-convert {1}.svg{2} -o "
+        "{0} (package librsvg2-bin)",
         arguments.out, std::filesystem::path(out).replace_extension().string(),
         out.extension() == ".pdf" ? " -f pdf" : ""));
   }
@@ -248,24 +251,21 @@ void plot(const PlotArguments& arguments) {
   std::vector<Series> all;
   for (std::size_t i = 0; i < labels.size(); ++i) {
     eval::Trajectory poses = path_of(arguments.estimates[i], arguments.topic);
-    Series series{labels[i], overlaid_stroke(i), std::move(poses), {}};
-    if (with_truth) {
-      series.pairs = lay_over(truth, arguments.align, &series.poses);
-      if (series.pairs.size() < 2) {
-        throw std::runtime_error(arguments.estimates[i] +
-                                 ": fewer than 2 poses have a true pose in " + arguments.truth);
-      }
-    }
-    all.push_back(std::move(series));
+    all.push_back({labels[i], overlaid_stroke(i), std::move(poses), {}});
   }
   std::vector<NamedPath> paths;
   for (const Series& series : all) paths.emplace_back(series.label, series.poses);
+  if (with_truth) paths.emplace_back(arguments.truth, truth);
   expect_common_time(paths);
+  for (Series& series : all) {
+    if (!with_truth) continue;
+    series.pairs = lay_over(truth, arguments.align, &series.poses);
+    if (series.pairs.size() < 2) {
+      throw std::runtime_error(series.label + ": fewer than 2 poses have a true pose in " +
+                               arguments.truth);
+    }
+  }
   if (with_truth) all.insert(all.begin(), truth_series(truth, all));
-
-  std::vector<std::string> inputs = arguments.estimates;
-  inputs.push_back(arguments.truth);
-  protect_inputs(inputs, {arguments.out});
   write_text(arguments.out, draw(all, with_truth));
 }
 

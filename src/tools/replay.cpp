@@ -110,7 +110,7 @@ class Replay {
     const bool shows_lines = outputs_->prints_lines() && isatty(STDOUT_FILENO) != 0;
     Progress progress(!shows_lines && !arguments_.silent);
     while (const ImuSample* sample = feed_.imu()) {
-      if (stop_requested != 0) return finish();
+      if (stop_requested != 0) return finish(sample->time);
       pace(sample->time);
       progress.show(imu_, outline_.imu_samples);
       if (const std::optional<Time> due = feed_.due(); due && *due < sample->time) {
@@ -122,7 +122,7 @@ class Replay {
       }
     }
     while (waiting_ == 0 && feed_.due()) give_scan();
-    return finish();
+    return finish(std::nullopt);
   }
 
  private:
@@ -170,6 +170,7 @@ class Replay {
     const std::uint64_t restarts = this->restarts();
     timed([&] { (void)odometry_->add_imu(sample); });  // its outcome is counted
     if (odometry_->initialized()) summary_.health.add(sample.time, odometry_->health());
+    view_->watch(*odometry_);
     if (!was_initialized && odometry_->initialized() && !arguments_.init_velocity.empty()) {
       restart(odometry_->at_scan(), BodyCovariance(odometry_->covariance()));
     }
@@ -234,14 +235,20 @@ class Replay {
     summary_.add(odometry_->report(), state);
   }
 
-  ReplaySummary finish() {
+  /// @param stopped there by a signal
+  ReplaySummary finish(std::optional<Time> stopped) {
     outputs_->close();
+    const std::size_t left = feed_.scans_left();
     summary_.started = odometry_->initialized();
-    summary_.scans_unprocessed = static_cast<int>(feed_.scans_left()) + waiting_;
+    summary_.scans_unprocessed = waiting_ + (stopped ? 0 : static_cast<int>(left));
     summary_.counters = odometry_->counters();
     summary_.height_offset = auxiliary<HeightOffset>(*odometry_);
-    summary_.span = outline_.imu_end - outline_.imu_begin;
-    double recorded = 0.0;
+    summary_.span = stopped.value_or(outline_.imu_end) - outline_.imu_begin;
+    if (stopped) {
+      print_notes(
+          {fmt::format("stopped after {:.1f} s of the recording", to_seconds(summary_.span))});
+    }
+    double recorded = stopped ? -static_cast<double>(left) : 0.0;
     for (const std::vector<Time>& stamps : outline_.scan_times) {
       recorded += static_cast<double>(stamps.size());
     }

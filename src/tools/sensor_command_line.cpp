@@ -11,9 +11,8 @@ using enum Trait;
 
 namespace {
 
-/// Empty, or why that is no port; the flag without one, "true", becomes the usual one.
+/// Empty, or why that is no port.
 std::string port_fault(std::string& text) {
-  if (text == "true") text = "8765";
   const bool number =
       !text.empty() && text.size() < 6 && text.find_first_not_of("0123456789") == std::string::npos;
   return number && std::stoi(text) < 65536 ? "" : text + ": is no port";
@@ -75,11 +74,14 @@ void add_view_options(const Command& command, ViewArguments* view) {
               "folder to write, CSV: innovations, points, landmarks, calibration, health, events");
   command.add("--mcap", &view->mcap,
               "file to write for viewers (Foxglove, Lichtblick, rerun): poses, path, points, ...");
+  command.add("--also", &view->also,
+              "TUM file of another estimate, shown to the viewers as /path/NAME; may be repeated");
   CLI::Option* port =
       command
           .add("--view", &view->port,
                "serve the same to viewers that connect (Foxglove WebSocket), on this port or 8765")
           ->expected(0, 1)
+          ->default_str("8765")
           ->transform(CLI::Validator(port_fault, "", "port"))
           ->type_name("[PORT]");
   command.add("--view-address", &view->address, "of this machine, on which it listens", kShown,

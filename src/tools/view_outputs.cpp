@@ -9,7 +9,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "evaluate.hpp"
 #include "outputs.hpp"
+#include "rio/io/trajectory.hpp"
 #include "view/calibration_names.hpp"
 #include "view/csv_log.hpp"
 
@@ -79,48 +81,82 @@ std::vector<std::string> files_of(const ViewArguments& arguments) {
 
 void ViewOutputs::open() {
   const ViewArguments& arguments = arguments_;
+  if (!arguments.port.empty()) {  // before a file is replaced
+#ifdef RIO_HAS_LIBWEBSOCKETS
+    const std::string address = arguments.address == "localhost" ? "127.0.0.1" : arguments.address;
+    auto server = view::make_live_server(address, std::stoi(arguments.port));
+    const bool is_v6 = address.find(':') != std::string::npos;
+    fmt::print(stderr, "view: ws://{}:{} (Foxglove, Lichtblick: open connection)\n",
+               is_v6 ? "[" + address + "]" : address, server->port());
+    server_ = server.get();
+    add_sink(std::make_unique<view::Messages>(std::move(server)));
+#else
+    throw std::runtime_error("--view: built without libwebsockets (package libwebsockets-dev)");
+#endif
+  }
   if (!arguments.report.empty()) {
-    expect_folder(arguments.report);
     auto report = std::make_unique<view::ReportBuilder>();
     report_ = report.get();
     add_sink(std::move(report));
   }
   if (!arguments.log.empty()) add_sink(std::make_unique<view::CsvLog>(arguments.log));
-  if (!arguments.mcap.empty()) {
-    add_sink(std::make_unique<view::Messages>(std::make_unique<view::McapTarget>(arguments.mcap)));
-  }
-  if (arguments.port.empty()) return;
-#ifdef RIO_HAS_LIBWEBSOCKETS
-  auto server = view::make_live_server(arguments.address, std::stoi(arguments.port));
-  fmt::print(stderr, "view: ws://{}:{} (Foxglove, Lichtblick: open connection)\n",
-             arguments.address, server->port());
-  server_ = server.get();
-  add_sink(std::make_unique<view::Messages>(std::move(server)));
-#else
-  throw std::runtime_error("--view: built without libwebsockets (package libwebsockets-dev)");
-#endif
+  if (arguments.mcap.empty()) return;
+  add_sink(std::make_unique<view::Messages>(std::make_unique<view::McapTarget>(arguments.mcap)));
 }
 
 void ViewOutputs::begin(const view::RunStart& start) {
+  if (!arguments_.report.empty()) expect_folder(arguments_.report);
+  view::RunStart all = start;
+  const std::vector<std::string> labels = default_labels(arguments_.also);
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    all.others.emplace_back(labels[i], io::read_trajectory(arguments_.also[i]));
+  }
   open();
-  for (const auto& sink : sinks_) sink->begin(start);
+  for (const Sink& sink : sinks_) sink.to->begin(all);
+}
+
+template <class Call>
+void ViewOutputs::for_each_sink(const Call& call) {
+  for (Sink& sink : sinks_) {
+    if (sink.failed) continue;
+    try {
+      call(sink.to.get());
+    } catch (const std::exception& error) {
+      sink.failed = std::current_exception();
+      fmt::print(stderr, "note: {}: left out from here on\n", error.what());
+    }
+  }
+}
+
+void ViewOutputs::tell(const std::vector<view::Event>& events) {
+  for (const view::Event& event : events) {
+    for_each_sink([&](view::RunSink* sink) { sink->add_event(event); });
+  }
 }
 
 void ViewOutputs::add(const Odometry& odometry) {
   if (sinks_.empty()) return;
-  const std::vector<view::Event>& events = watch_.look(odometry);
-  for (const auto& sink : sinks_) sink->add(odometry, events);
+  tell(watch_.after_scan(odometry));
+  for_each_sink([&](view::RunSink* sink) { sink->add(odometry); });
+}
+
+void ViewOutputs::watch(const Odometry& odometry) {
+  if (!sinks_.empty() && odometry.initialized()) tell(watch_.after_imu(odometry));
 }
 
 void ViewOutputs::close(const ReplaySummary& summary) {
-  for (const auto& sink : sinks_) sink->close();
+  for_each_sink([](view::RunSink* sink) { sink->close(); });
   if (server_ != nullptr && server_->dropped() > 0) {
     fmt::print(stderr, "view: {} messages dropped, since viewers read too slowly\n",
                server_->dropped());
   }
-  if (report_ == nullptr) return;
-  fill_card(summary, &report_->page());
-  write_report(report_->page(), arguments_.report);
+  if (report_ != nullptr) {
+    fill_card(summary, &report_->page());
+    write_report(report_->page(), arguments_.report);
+  }
+  for (const Sink& sink : sinks_) {
+    if (sink.failed) std::rethrow_exception(sink.failed);
+  }
 }
 
 }  // namespace rio::tools

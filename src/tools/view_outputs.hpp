@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <exception>
 #include <memory>
 #include <string>
 #include <utility>
@@ -37,23 +38,35 @@ class ViewOutputs : public live::Listener {
   void begin(const view::RunStart& start);
   /// After a scan was processed.
   void add(const Odometry& odometry);
-  void on_imu(const live::Session& /*session*/, const ImuSample& sample) override {
+  /// After a sample of the IMU.
+  void watch(const Odometry& odometry);
+  void on_imu(const live::Session& session, const ImuSample& sample) override {
     if (report_ != nullptr) report_->begin_at(sample.time);
+    watch(session.odometry());
   }
   void on_estimate(const live::Session& session, Time /*arrival*/) override {
     add(session.odometry());
   }
   /// Completes the files; the report with the verdict and the figures of the summary.
+  /// @throws what a sink has thrown, which was told and left out from then on
   void close(const ReplaySummary& summary);
 
  private:
+  struct Sink {
+    std::unique_ptr<view::RunSink> to;
+    std::exception_ptr failed{};
+  };
+
   void open();
-  void add_sink(std::unique_ptr<view::RunSink> sink) { sinks_.push_back(std::move(sink)); }
+  void add_sink(std::unique_ptr<view::RunSink> sink) { sinks_.push_back({std::move(sink)}); }
+  void tell(const std::vector<view::Event>& events);
+  template <class Call>
+  void for_each_sink(const Call& call);
 
   ViewArguments arguments_;
   view::ReportBuilder* report_ = nullptr;  ///< among the sinks
   view::LiveServer* server_ = nullptr;     ///< of a sink
-  std::vector<std::unique_ptr<view::RunSink>> sinks_;
+  std::vector<Sink> sinks_;
   view::EventWatch watch_;
 };
 

@@ -72,7 +72,7 @@ CsvLog::CsvLog(const std::filesystem::path& folder)
   events_.write("t_ns,kind,serious,text\n");
 }
 
-void CsvLog::add(const Odometry& odometry, const std::vector<Event>& events) {
+void CsvLog::add(const Odometry& odometry) {
   const NavState& x = odometry.at_scan();
   const BodyCovariance& P = odometry.covariance();
   const UpdateReport& r = odometry.report();
@@ -109,10 +109,11 @@ void CsvLog::add(const Odometry& odometry, const std::vector<Event>& events) {
   write(&health_, head, rio::to_string(h.state), rio::to_string(h.position),
         rio::to_string(h.velocity), rio::to_string(h.heading), h.quality, h.reset_counter,
         fmt::format("{}", fmt::join(h.severity, ",")));
-  for (const Event& event : events) {
-    write(&events_, cell(event.time.count()), kEventNames[static_cast<std::size_t>(event.kind)],
-          event.serious ? 1 : 0, "\"" + event.text + "\"");
-  }
+}
+
+void CsvLog::add_event(const Event& event) {
+  write(&events_, cell(event.time.count()), kEventNames[static_cast<std::size_t>(event.kind)],
+        event.serious ? 1 : 0, "\"" + event.text + "\"");
 }
 
 void CsvLog::close() {

@@ -29,7 +29,8 @@ class CsvLog : public RunSink {
   /// Creates the folder if there is none. Throws std::runtime_error if a file cannot be written.
   explicit CsvLog(const std::filesystem::path& folder);
 
-  void add(const Odometry& odometry, const std::vector<Event>& events) override;
+  void add(const Odometry& odometry) override;
+  void add_event(const Event& event) override;
   void close() override;
 
  private:

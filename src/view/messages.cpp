@@ -246,32 +246,37 @@ void Messages::send_series(const Odometry& odometry) {
   send_number("/update_ms", 1e3 * to_seconds(report.update_time));
 }
 
-/// In the world of the estimate, at the first scan with a true pose.
-void Messages::tell_truth(const NavState& state) {
-  if (start_.truth.empty()) return;
+/// In the world of the estimate, at the first scan with such a pose.
+void Messages::tell_others(const NavState& state) {
   const eval::StampedPose here{state.time, state.p_WB, state.q_WB};
-  const auto pairs = eval::associate(start_.truth, {here}).pairs;
-  if (pairs.empty()) return;
-  if (start_.lay_truth_over) {
-    const Pose T = laid_over(pairs.front().truth, here);
-    for (eval::StampedPose& pose : start_.truth) pose = eval::transformed(T, pose);
-  }
-  send_path("/truth", state.time, start_.truth);
-  start_.truth.clear();
+  const auto tell = [&](const std::string& topic, bool lay_over, eval::Trajectory* path) {
+    if (path->empty()) return;
+    const auto pairs = eval::associate(*path, {here}).pairs;
+    if (pairs.empty()) return;
+    if (lay_over) {
+      const Pose T = laid_over(pairs.front().truth, here);
+      for (eval::StampedPose& pose : *path) pose = eval::transformed(T, pose);
+    }
+    send_path(topic, state.time, *path);
+    path->clear();
+  };
+  tell("/truth", start_.lay_truth_over, &start_.truth);
+  for (auto& [name, path] : start_.others) tell("/path/" + name, true, &path);
 }
 
-void Messages::add(const Odometry& odometry, const std::vector<Event>& events) {
-  tell_truth(odometry.at_scan());
+void Messages::add(const Odometry& odometry) {
+  tell_others(odometry.at_scan());
   send_pose(odometry);
   extend_path(odometry.at_scan());
   send_points(odometry);
   send_landmarks(odometry);
   send_innovations(odometry);
   send_series(odometry);
-  for (const Event& event : events) {
-    send("/events", "rcl_interfaces/msg/Log", event.time, log_message(event));
-  }
   target_->flush(odometry.at_scan().time);
+}
+
+void Messages::add_event(const Event& event) {
+  send("/events", "rcl_interfaces/msg/Log", event.time, log_message(event));
 }
 
 void Messages::close() {

@@ -94,13 +94,14 @@ class Messages : public RunSink {
   explicit Messages(std::unique_ptr<MessageTarget> target) : target_(std::move(target)) {}
 
   void begin(const RunStart& start) override { start_ = start; }
-  void add(const Odometry& odometry, const std::vector<Event>& events) override;
+  void add(const Odometry& odometry) override;
+  void add_event(const Event& event) override;
   void close() override;
 
  private:
   void send(const std::string& topic, const char* type, Time time, const bag::CdrWriter& message,
             bool latest_stays = false);
-  void tell_truth(const NavState& state);
+  void tell_others(const NavState& state);
   void send_pose(const Odometry& odometry);
   void send_path(const std::string& topic, Time time, const eval::Trajectory& poses);
   void extend_path(const NavState& state);
@@ -111,7 +112,7 @@ class Messages : public RunSink {
 
   std::unique_ptr<MessageTarget> target_;
   std::map<std::string, std::uint16_t> channels_;  ///< by topic
-  RunStart start_;                                 ///< the truth until it is sent
+  RunStart start_;                                 ///< other paths until they are sent
   eval::Trajectory path_;
   std::size_t path_sent_ = 0;  ///< its length then
   Time ellipsoids_sent_ = Time::min();

@@ -14,8 +14,9 @@ const marks = {
   values: new Int16Array(bytes(data.marks.values)), labels: new Uint8Array(bytes(data.marks.labels)),
 };
 const main = paths[0];
-const begin = times.length ? times[0] : 0;
-const end = times.length ? times[times.length - 1] : 1;
+const told = data.events.map((event) => event.t);
+const begin = times.length ? Math.min(times[0], ...told) : 0;
+const end = times.length ? Math.max(times[times.length - 1], ...told) : 1;
 const listeners = []; // of the cursor
 let cursor = begin;
 let shown = [begin, end]; // times in view
@@ -80,7 +81,7 @@ $("play").onclick = () => {
 listeners.push((t) => {
   const row = before(times, t);
   const at = (name) => column[name][row].toFixed(2).replace(/^-(0\.0+)$/, "$1");
-  $("now").textContent = `${times[row].toFixed(2)} s` +
+  $("now").textContent = `${t.toFixed(2)} s` +
     (column["p.x"] ? `   position ${at("p.x")} ${at("p.y")} ${at("p.z")} m   speed ${at("speed")} m/s` : "");
 });
 
@@ -89,7 +90,7 @@ const buttons = []; // on the strip
 const hand = element($("strip"), "div", "hair");
 function placeEvents() {
   const place = (e, t) => {
-    e.hidden = t < shown[0] || t > shown[1];
+    e.hidden = t < shown[0] - 1e-3 || t > shown[1] + 1e-3;
     e.style.left = `${(100 * (t - shown[0])) / Math.max(1e-6, shown[1] - shown[0])}%`;
   };
   for (const button of buttons) place(button, button.t);
@@ -171,7 +172,7 @@ function drawPlot(plot) {
     l: column[`${c.value}-`], h: column[`${c.value}+`] }));
   const banded = curves.some((c) => c.s || c.l);
   const series = {};
-  for (const c of curves) series[c.label] = { strokePattern: dashes[c.index % 6], sigma: c.s };
+  for (const c of curves) series[c.label] = { strokePattern: dashes[(c.index + Math.floor(c.index / 6)) % 6], sigma: c.s };
   const { area, graph } = graphOf(plot, rowsOf(curves, banded, plot.zero), "s", curves.map((c) => c.index), {
     labels: ["t", ...curves.map((c) => c.label)], customBars: banded, series, stepPlot: plot.steps, dateWindow: shown,
     y: { valueFormatter: (v, o, name, g, row) => number(v) + (series[name].sigma ? ` ± ${number(series[name].sigma[row])}` : "") },
@@ -228,7 +229,8 @@ $("whole").onclick = showAll;
 document.onkeydown = (e) => {
   if (e.target.closest("#view, select") || e.ctrlKey || e.altKey || e.metaKey) return;
   const step = (shown[1] - shown[0]) / 100;
-  const zoom = (factor) => zoomTo([cursor - (cursor - shown[0]) * factor, cursor + (shown[1] - cursor) * factor]);
+  const zoom = (factor) => zoomTo([Math.max(begin, cursor - (cursor - shown[0]) * factor),
+    Math.min(end, cursor + (shown[1] - cursor) * factor)]);
   const act = { ArrowLeft: () => moveTo(cursor - step), ArrowRight: () => moveTo(cursor + step),
     "+": () => zoom(0.5), "-": () => zoom(2), 0: showAll }[e.key];
   if (act) { act(); e.preventDefault(); }

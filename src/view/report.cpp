@@ -107,7 +107,7 @@ void ReportBuilder::begin(const RunStart& start) {
   page_.plots = report_plots(start.options.radars());
 }
 
-void ReportBuilder::add(const Odometry& odometry, const std::vector<Event>& events) {
+void ReportBuilder::add(const Odometry& odometry) {
   const NavState& x = odometry.at_scan();
   if (!begun_) page_.begin = start_.begin.value_or(x.time);
   begun_ = true;
@@ -119,7 +119,6 @@ void ReportBuilder::add(const Odometry& odometry, const std::vector<Event>& even
   add_models(odometry.report());
   add_points(odometry, seconds);
   add_truth(odometry, seconds);
-  page_.events.insert(page_.events.end(), events.begin(), events.end());
 }
 
 void ReportBuilder::add_state(const Odometry& odometry) {

@@ -20,7 +20,8 @@ class ReportBuilder : public RunSink {
   void begin_at(Time time) {
     if (!start_.begin) start_.begin = time;
   }
-  void add(const Odometry& odometry, const std::vector<Event>& events) override;
+  void add(const Odometry& odometry) override;
+  void add_event(const Event& event) override { page_.events.push_back(event); }
   void close() override;
 
   /// After close().

@@ -3,13 +3,14 @@
 // reads from the estimator after each processed scan.
 //
 //   RunStart     before the first scan: name, options, truth
-//   Event        what happened between two scans: start, gap, late scan, reset, health change
+//   Event        what happened: start, gap, late scan, reset, health change
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "rio/eval/stamped_pose.hpp"
@@ -35,19 +36,27 @@ inline constexpr std::array kEventNames = {"start",     "gap",    "dropped", "re
                                            "re-opened", "failed", "health"};
 
 struct Event {
-  Time time{0};  ///< of the state with which it was noticed
+  Time time{0};  ///< of the scan or IMU sample with which it was noticed
   EventKind kind = EventKind::kStart;
   bool serious = false;  ///< the estimate is lost, or was replaced
   std::string text;
 };
 
-/// Finds the events of a run, looking at the estimator after each scan.
+/// Finds the events of a run, looking at the estimator after each scan and each IMU sample: a
+/// radar may be silent.
 class EventWatch {
  public:
-  /// Events since the last scan, this one included; valid until the next call.
-  const std::vector<Event>& look(const Odometry& odometry);
+  /// Events since the last look; valid until the next call.
+  const std::vector<Event>& after_scan(const Odometry& odometry);
+  const std::vector<Event>& after_imu(const Odometry& odometry);
 
  private:
+  void add(EventKind kind, bool serious, const std::string& text) {
+    events_.push_back({time_, kind, serious, text});
+  }
+  void look(const Odometry& odometry);
+
+  Time time_{0};
   bool started_ = false;
   bool mounting_unknown_ = false;
   HealthState health_ = HealthState::kInitializing;
@@ -63,6 +72,7 @@ struct RunStart {
   bool lay_truth_over = true;  ///< not started from the truth: worlds differ by heading and origin
   std::string version;
   std::optional<Time> begin{};  ///< of the recording: zero of a page; else the first scan
+  std::vector<std::pair<std::string, eval::Trajectory>> others{};  ///< estimates to compare with
 };
 
 /// Follows a run as it goes on.
@@ -71,8 +81,9 @@ class RunSink {
   virtual ~RunSink() = default;
   virtual void begin(const RunStart& /*start*/) {}
   /// @param odometry right after it has processed a scan
-  /// @param events since the scan before
-  virtual void add(const Odometry& odometry, const std::vector<Event>& events) = 0;
+  virtual void add(const Odometry& odometry) = 0;
+  /// Before the scan that shows it, or between scans.
+  virtual void add_event(const Event& /*event*/) {}
   /// Nothing more will come; files are complete afterwards. Throws if one could not be written.
   virtual void close() {}
 };

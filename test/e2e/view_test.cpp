@@ -172,9 +172,25 @@ TEST_F(Tool, ThePageSaysWhatIsDoubtfulAboutTheRecording) {
   look_at(file("doubts.html"), "rio-report-without-scans", run.output);
 }
 
+TEST_F(Tool, OneOutputThatFailsLeavesTheOthers) {
+  const std::string replay = "replay " + flight_ + " --no-check --log " + file("kept");
+  fails(1, replay + " --mcap /dev/full --report " + file("kept.html"),
+        {"/dev/full: cannot be written", "left out from here on"});
+  EXPECT_GT(table(file("kept/scans.csv")).size(), scans() - 5);
+  expect_parts(text_of(file("kept.html")), {"class='verdict healthy'"});
+  fails(1, replay + " --report " + file("kept"), {"kept: cannot be written: it is a folder"});
+  std::ofstream(file("kept.mcap")) << "of a run before";
+  fails(1, replay + " --view --view-address 203.0.113.1 --mcap " + file("kept.mcap"),
+        {"203.0.113.1"});
+  EXPECT_EQ(text_of(file("kept.mcap")), "of a run before");
+}
+
 TEST_F(Tool, TheMessagesAreReadByOthers) {
   const std::string mcap = file("run.mcap");
-  rio("replay " + flight_ + " --no-check --out " + file("run.tum") + " --mcap " + mcap);
+  const std::string other = file("other.tum");
+  rio("replay " + flight_ + " --no-check --preset doppler-only --out " + other);
+  rio("replay " + flight_ + " --no-check --out " + file("run.tum") + " --also " + other +
+      " --mcap " + mcap);
   if (!has_node("@mcap/core") || !has_node("@foxglove/rosmsg2-serialization")) {
     GTEST_SKIP() << "skipped: needs @mcap/core, @foxglove/rosmsg, @foxglove/rosmsg2-serialization";
   }
@@ -199,6 +215,7 @@ TEST_F(Tool, TheMessagesAreReadByOthers) {
   EXPECT_EQ(cloud.at("header").at("frame_id"), "radar0");
   EXPECT_EQ(cloud.at("data").size(), cloud.at("width").get<std::size_t>() * 29);
   EXPECT_TRUE(topics.contains("/truth"));
+  EXPECT_EQ(topics.at("/path/other").at("last").at("poses").size(), lines_of(other).size());
   EXPECT_TRUE(topics.contains("/events"));
 }
 
@@ -250,6 +267,9 @@ TEST_F(Tool, ComparesVariantsAndOtherEstimates) {
   const std::string at_once =
       fails(1, "compare " + flight_ + " --preset default,none", {"none"}).output;
   EXPECT_EQ(at_once.find("default ..."), std::string::npos) << at_once;  // before the first flies
+  expect_none(
+      fails(1, "compare " + flight_ + " " RIO_SOURCE_DIR "/README.md", {"README.md"}).output,
+      {" ...\n"});
   const std::string starts = "compare " + flight_ + " --init static --vary start.duration=";
   rio(starts + "600,2", {"start.duration=600 is left out: no start", "| start.duration=2 |"});
   fails(1, starts + "600", {"rio: no start: "});
@@ -258,6 +278,7 @@ TEST_F(Tool, ComparesVariantsAndOtherEstimates) {
   fails(1, "compare " + tum + " --preset default", {"need a recording among the runs"});
   fails(1, "compare " + tum + " " + file("strange.tum"), {"no time in common: other is from "});
   fails(1, "plot " + tum + " --out x.png", {"rsvg-convert"});
+  fails(1, "plot " + tum + " --out x.jpg", {"x.jpg: an SVG is drawn"});
 }
 
 }  // namespace
