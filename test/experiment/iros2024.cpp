@@ -38,7 +38,7 @@ Change past_poses(int poses, int promotion) {
 
 const Variants& variants() {
   static const Variants all = {{"default, filter", "default"},
-                               {"default, window", "default", use_smoother},
+                               {"default, smoother", "default", use_smoother},
                                {"published-ekf, N = 10", "published-ekf", past_poses(10, 10)},
                                {"published-smoother", "published-smoother"}};
   return all;
@@ -47,23 +47,24 @@ const Variants& variants() {
 /// The published pair of variants() with other parameters: N = 7 (the paper of 2023), promotion
 /// after 7 (the authors' public code), and with one change each. Flown indoors.
 Variants parameters() {
-  Variants all = {{"filter, 7 poses, promotion after 7", "published-ekf", past_poses(7, 7)},
-                  {"window, 7 poses, promotion after 7", "published-smoother", past_poses(7, 7)},
-                  {"filter, 10 poses, promotion after 7", "published-ekf", past_poses(10, 7)},
-                  {"window, 10 poses, promotion after 7", "published-smoother", past_poses(10, 7)}};
+  Variants all = {
+      {"filter, 7 poses, promotion after 7", "published-ekf", past_poses(7, 7)},
+      {"smoother, 7 poses, promotion after 7", "published-smoother", past_poses(7, 7)},
+      {"filter, 10 poses, promotion after 7", "published-ekf", past_poses(10, 7)},
+      {"smoother, 10 poses, promotion after 7", "published-smoother", past_poses(10, 7)}};
   all.push_back({"filter, 10 and 10, mounting estimated", "published-ekf", [](Options& o) {
                    past_poses(10, 10)(o);
                    o.calibration.rotation_sigma = CalibrationOptions{}.rotation_sigma;
                    o.calibration.translation_sigma = CalibrationOptions{}.translation_sigma;
                  }});
-  const char* const window = "published-smoother";
-  all.push_back({"window, 10 and 10, kernels 4, 1 and 0.0001", window, [](Options& o) {
+  const char* const smoother = "published-smoother";
+  all.push_back({"smoother, 10 and 10, kernels 4, 1 and 0.0001", smoother, [](Options& o) {
                    o.smoother.landmark_kernel_size = 1.0;
                    o.smoother.trail_kernel_size = 1e-4;
                  }});
-  all.push_back({"window, 10 and 10, a landmark leaves with its factors", window,
+  all.push_back({"smoother, 10 and 10, a landmark leaves with its factors", smoother,
                  [](Options& o) { o.smoother.keep_landmark_factors = false; }});
-  all.push_back({"window, 10 and 10, without trails", window,
+  all.push_back({"smoother, 10 and 10, without trails", smoother,
                  [](Options& o) { o.update.use_trails = false; }});
   all.push_back({"doppler-only", "doppler-only"});
   return all;
@@ -90,9 +91,9 @@ std::string table_one(const Outcomes& runs) {
     for (const Variant& v : variants()) add_row(runs, group, v.name, v.name, &table);
   }
   table.add({"paper, 5 of ARDEA-X", "filter", "0.31 (0.70) ± 0.22", "", "", ""});
-  table.add({"", "window", "0.36 (0.71) ± 0.20", "", "", ""});
+  table.add({"", "smoother", "0.36 (0.71) ± 0.20", "", "", ""});
   table.add({"paper, 3 of CNS-UAV", "filter", "1.12 (1.42) ± 0.22", "", "", ""});
-  table.add({"", "window", "1.10 (1.66) ± 0.43", "", "", ""});
+  table.add({"", "smoother", "1.10 (1.66) ± 0.43", "", "", ""});
   return table.text();
 }
 
@@ -100,7 +101,7 @@ std::string table_of_parameters(const Outcomes& runs) {
   MarkdownTable table(head_of({"flights", "estimator"}, accuracy()));
   const std::string ten = "10 poses, promotion after 10";
   add_row(runs, "indoor", variants()[2].name, "filter, " + ten, &table);
-  add_row(runs, "indoor", variants()[3].name, "window, " + ten, &table);
+  add_row(runs, "indoor", variants()[3].name, "smoother, " + ten, &table);
   for (const Variant& v : parameters()) add_row(runs, "indoor", v.name, v.name, &table);
   return table.text();
 }
@@ -194,11 +195,11 @@ double median_time(const sim::Flight& flight, const Variant& variant) {
 }
 
 std::string time_per_scan() {
-  MarkdownTable table({"flight 1, median time per scan", "filter [ms]", "window [ms]", "ratio"});
+  MarkdownTable table({"flight 1, median time per scan", "filter [ms]", "smoother [ms]", "ratio"});
   const sim::Flight flight = sim::simulate_flight(test::scenario_named("indoor-1"));
-  const auto add = [&](const char* name, const Variant& filter, const Variant& window) {
+  const auto add = [&](const char* name, const Variant& filter, const Variant& smoother) {
     const double a = median_time(flight, filter);
-    const double b = median_time(flight, window);
+    const double b = median_time(flight, smoother);
     table.add({name, number(a, 2), number(b, 2), number(b / a, 1)});
   };
   add("default", variants()[0], variants()[1]);
@@ -243,7 +244,7 @@ Result iros2024(const Settings& settings) {
           {{"iros2024.csv", outcomes_as_csv(runs)},
            {"iros2024.svg", chart(errors)},
            {"iros2024-flights.svg",
-            chart_of_positions("Positions over time: filter and window with N = 10", flown)}}};
+            chart_of_positions("Positions over time: filter and smoother with N = 10", flown)}}};
 }
 
 }  // namespace rio::experiment

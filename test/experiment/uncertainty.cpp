@@ -82,7 +82,7 @@ const Variants& variants() {
       {"full, without points", kPreset, [](Options& o) { o.update.use_landmarks = false; }},
       {"doppler-only", "doppler-only"},
       {kDefault, "default"},
-      {"default, window", "default", use_smoother},
+      {"default, smoother", "default", use_smoother},
       {kByDistance, kPreset, [](Options& o) { o.frontend.matching = Matching::kEuclidean; }},
       without(kWithoutAny, kSmall, kSmall),
       without(kWithoutRange, kSmall, 1.0),
@@ -162,16 +162,14 @@ std::string scaling_table(const Outcomes& runs) {
   return table.text();
 }
 
-/// Means over the flights by alpha, the least 0, the largest 1.
-Curve normalised(const Outcomes& runs, double Score::*value) {
+/// Means over the flights by alpha, in terms of that at 0.
+Curve relative(const Outcomes& runs, double Score::*value) {
+  const double full = Spread::of(select(runs, kMatched.scenario, kFull), value).mean;
   Curve points;
-  plot::Range range;
   for (int k = -kLargestExponent; k <= kLargestExponent; ++k) {
     const Scores scores = select(runs, kMatched.scenario, scaled_name(k));
-    points.push_back({static_cast<double>(k), Spread::of(scores, value).mean});
-    range.add(points.back().y);
+    points.push_back({static_cast<double>(k), Spread::of(scores, value).mean / full});
   }
-  for (plot::Point& p : points) p.y = (p.y - range.low) / (range.high - range.low);
   return points;
 }
 
@@ -179,20 +177,20 @@ Curve normalised(const Outcomes& runs, double Score::*value) {
 std::string least_of_scalings(const Outcomes& runs) {
   std::vector<std::string> texts;
   for (const PoseError& error : kErrors) {
-    const Curve points = normalised(runs, error.value);
+    const Curve points = relative(runs, error.value);
     const auto least =
-        std::find_if(points.begin(), points.end(), [](const plot::Point& p) { return p.y == 0.0; });
+        std::min_element(points.begin(), points.end(),
+                         [](const plot::Point& a, const plot::Point& b) { return a.y < b.y; });
     texts.push_back(fmt::format("{} at {:+.0f}", error.name, least->x));
   }
   return fmt::format("{}", fmt::join(texts, ", "));
 }
 
 std::string scaling_chart(const Outcomes& runs) {
-  plot::Panel p =
-      panel("", "alpha: covariances times 2^alpha", "error, the least 0, the largest 1");
+  plot::Panel p = panel("", "alpha: covariances times 2^alpha", "error over that at 0");
   for (const PoseError& error : kErrors) {
     p.curves.push_back(
-        {error.name, normalised(runs, error.value), plot::curve_stroke(p.curves.size())});
+        {error.name, relative(runs, error.value), plot::curve_stroke(p.curves.size())});
   }
   return plot::draw_chart("Sigmas of range and angles off from those simulated", {p}, 1);
 }
