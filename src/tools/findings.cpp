@@ -10,6 +10,7 @@
 
 #include "estimator_options.hpp"
 #include "json_line.hpp"
+#include "progress.hpp"
 #include "recording.hpp"
 #include "replay_feed.hpp"
 
@@ -113,7 +114,10 @@ Checked run_check(const CheckArguments& arguments) {
 }
 
 void check_recording(const CheckArguments& arguments) {
-  const auto [findings, notes, damage] = run_check(arguments);
+  const auto [findings, notes, damage] = [&] {
+    const Busy busy("checking");
+    return run_check(arguments);
+  }();
   print_notes(notes);
   const std::string options = proposed_options(findings);
   if (arguments.json) {

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A progress bar on stderr; if stderr is not a terminal, a line every minute, or, with a name,
-// every ten percent.
+// On stderr: a progress bar, or, where how far is not known, the seconds that have passed. If
+// stderr is not a terminal, a line every minute, or, with a name, every ten percent.
 #pragma once
 
 #include <unistd.h>
 
 #include <chrono>
+#include <condition_variable>
 #include <cstddef>
 #include <cstdio>
+#include <mutex>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <utility>
 
 namespace rio::tools {
@@ -57,6 +61,33 @@ class Progress {
   Form form_;
   std::chrono::steady_clock::time_point told_ = std::chrono::steady_clock::now();
   int percent_ = -1;
+};
+
+/// "WHAT, 3 s", from the second second on, while it lives.
+class Busy {
+ public:
+  explicit Busy(const char* what)
+      : thread_([what](const std::stop_token& stop) { tell(stop, what); }) {}
+
+ private:
+  static void tell(const std::stop_token& stop, const char* what) {
+    const bool terminal = isatty(STDERR_FILENO) != 0;
+    const int step = terminal ? 1 : 60;  // [s]
+    std::mutex mutex;
+    std::unique_lock lock(mutex);
+    std::condition_variable_any woken;
+    const auto never = [] { return false; };
+    for (int seconds = step;; seconds += step) {
+      woken.wait_for(lock, stop, std::chrono::seconds(step), never);
+      if (stop.stop_requested()) break;
+      if (seconds > 1)
+        std::fprintf(stderr, "%s%s, %d s%s", terminal ? "\r" : "", what, seconds,
+                     terminal ? "" : "\n");
+    }
+    if (terminal) std::fprintf(stderr, "\r%40s\r", "");
+  }
+
+  std::jthread thread_;
 };
 
 }  // namespace rio::tools

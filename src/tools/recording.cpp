@@ -11,6 +11,7 @@
 
 #include "estimator_options.hpp"
 #include "outputs.hpp"
+#include "progress.hpp"
 #include "rio/bag/dataset_presets.hpp"
 #include "rio/bag/recording.hpp"
 #include "rio/bag/recording_writer.hpp"
@@ -234,14 +235,16 @@ void convert(const ConvertArguments& arguments) {
   if (taken && !arguments.force) {
     throw std::runtime_error(out.string() + ": holds a recording already; --force overwrites it");
   }
-  const io::Dataset dataset = read_any(arguments.recording, arguments.how, true);
+  const io::Dataset dataset = [&] {
+    const Busy busy("reading");
+    return read_any(arguments.recording, arguments.how, true);
+  }();
   print_notes(dataset.notes);
   const bool is_folder = io::is_asl_folder(arguments.recording);
-  if (to_bag) {
-    if (arguments.force) fs::remove(out);
-    write_mcap(out, dataset);
-  } else {
-    io::write_dataset(out, dataset);
+  {
+    const Busy busy("writing");
+    if (to_bag && arguments.force) fs::remove(out);
+    to_bag ? write_mcap(out, dataset) : io::write_dataset(out, dataset);
   }
   fmt::print("Written to {}: {} IMU samples, {}.\n", out.string(), dataset.imu.size(),
              scans_text(dataset));

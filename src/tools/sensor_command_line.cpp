@@ -75,7 +75,9 @@ void add_view_options(const Command& command, ViewArguments* view) {
   command.add("--mcap", &view->mcap,
               "file to write for viewers (Foxglove, Lichtblick, rerun): poses, path, points, ...");
   command.add("--also", &view->also,
-              "TUM file of another estimate, shown to the viewers as /path/NAME; may be repeated");
+              "TUM file of another estimate, shown to the viewers as /path/NAME; may be given "
+              "several times",
+              kOneEach);
   CLI::Option* port =
       command
           .add("--view", &view->port,

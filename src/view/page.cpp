@@ -23,7 +23,7 @@ using Json = nlohmann::ordered_json;
 using plot::escaped;
 
 constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
-constexpr std::size_t kMostRows = 6000;     // of a series: two for each of 3000 pixels
+constexpr std::size_t kMostRows = 3000;     // of a series: two a pixel of a page 1400 wide
 constexpr std::size_t kMostMarks = 300000;  // of nine bytes
 
 template <class T>
