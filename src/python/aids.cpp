@@ -112,17 +112,20 @@ void bind_aids(py::class_<Odometry>* odometry) {
             "Takes the position of a point of the body, of GNSS or motion capture.\n\n"
             "time: int, nanoseconds; position: (3,) world axes of the estimate [m]; covariance:\n"
             "(3, 3) [m^2]; lever: (3,) from the IMU to the point, body axes [m]")
-      .def("add_heading", &add_heading, py::arg("time").noconvert(), py::arg("heading"), py::arg("sigma"),
+      .def("add_heading", &add_heading, py::arg("time").noconvert(), py::arg("heading"),
+           py::arg("sigma"),
            "Takes the heading of the body's x axis about the world's z axis [rad].")
-      .def("add_body_velocity", &add_body_velocity, py::arg("time").noconvert(), py::arg("velocity"),
-           py::arg("covariance"), py::arg("lever") = zero, py::arg("gyro") = zero,
+      .def("add_body_velocity", &add_body_velocity, py::arg("time").noconvert(),
+           py::arg("velocity"), py::arg("covariance"), py::arg("lever") = zero,
+           py::arg("gyro") = zero,
            "Takes the velocity of a point of the body, body axes, of optical flow or wheels.\n\n"
            "velocity: (3,) [m/s]; covariance: (3, 3) [m^2/s^2]; lever: (3,) from the IMU to the\n"
            "point [m]; gyro: (3,) as measured at its time, needed with a lever [rad/s]")
-      .def("add_world_velocity", &add_world_velocity, py::arg("time").noconvert(), py::arg("velocity"),
-           py::arg("covariance"),
+      .def("add_world_velocity", &add_world_velocity, py::arg("time").noconvert(),
+           py::arg("velocity"), py::arg("covariance"),
            "Takes the velocity of the IMU, world axes: (3,) [m/s], (3, 3) [m^2/s^2].")
-      .def("add_height", &add_height, py::arg("time").noconvert(), py::arg("height"), py::arg("sigma"),
+      .def("add_height", &add_height, py::arg("time").noconvert(), py::arg("height"),
+           py::arg("sigma"),
            "Takes a barometric height over the start [m]; estimates \"height_offset\" beside it,\n"
            "which Odometry(auxiliary=...) has to name.")
       .def("add_ground_range", &add_ground_range, py::arg("time").noconvert(), py::arg("range"),

@@ -56,8 +56,9 @@ void bind_state(py::module_& module) {
     return [member](const NavState& s) -> Vector3d { return s.*member; };
   };
   py::class_<NavState>(module, "State", "Pose, velocity and biases of the body at one instant.")
-      .def(py::init(&state_of), py::arg("time").noconvert(), py::arg("position"), py::arg("orientation"),
-           py::arg("velocity"), py::arg("gyro_bias") = Vector3d(Vector3d::Zero()),
+      .def(py::init(&state_of), py::arg("time").noconvert(), py::arg("position"),
+           py::arg("orientation"), py::arg("velocity"),
+           py::arg("gyro_bias") = Vector3d(Vector3d::Zero()),
            py::arg("accel_bias") = Vector3d(Vector3d::Zero()))
       .def_property_readonly(
           "time", [](const NavState& s) { return s.time.count(); }, "int, nanoseconds")
