@@ -108,7 +108,7 @@ TEST_F(LiveCauses, SaysOfEachRadarWhyThereAreNoScans) {
   const std::string text = "mmwDemo:/>sensorStart\r\nDone\r\n\r\nmmwDemo:/>";
   const std::string command = "live --sensors " + flight_ + " --radar " +
                               dir_->write("old.bin", old).string() + " --radar " +
-                              dir_->write("cli.bin", text).string() + " --imu " + file("nothing") +
+                              dir_->write("cli.bin", text).string() + " --imu " + file("no_imu") +
                               " --patience 0";
   const std::string causes[] = {"packets of SDK 1 or 2, which are not read: load a demo of SDK",
                                 "no packets, but text: this is the CLI port"};
@@ -229,7 +229,7 @@ TEST_F(LiveCauses, SaysWhyItDoesNotStart) {
 
 TEST_F(LiveCauses, TheViewListensOnItsAddressAlone) {
   const std::string live =
-      "live --sensors " + flight_ + " --radar - --imu - --view 18766 --view-address ";
+      "live --sensors " + flight_ + " --radar - --imu /dev/null --view 18766 --view-address ";
   const Outcome none = try_rio(live + "192.0.2.1 </dev/null");
   if (contains(none.output, "built without")) GTEST_SKIP() << "skipped: without libwebsockets";
   expect_parts(none.output, {"rio: --view: cannot listen on 192.0.2.1:18766"});
@@ -246,7 +246,7 @@ TEST_F(LiveCauses, EndsCleanlyWhenItsTerminalIsLost) {
     const std::string log = file("log" + with);
     const std::string said =
         run_command(with + RIO_TOOL " live --sensors " + flight_ + " --radar " + file("nothing") +
-                    " --imu " + file("nothing") + " 2>'" + log + "' & until grep -q yet '" + log +
+                    " --imu " + file("no_imu") + " 2>'" + log + "' & until grep -q yet '" + log +
                     "'; do sleep 0.1; done; kill -HUP $!; sleep 0.5; echo later; kill $!; wait $!")
             .output;
     ASSERT_TRUE(contains(said, "verdict: ") && contains(said, "later")) << said;
@@ -268,12 +268,13 @@ TEST_F(LiveCauses, ReplacesNoInput) {
 }
 
 TEST_F(LiveCauses, WrongCommandLines) {
-  const std::string imu = "live --imu " + file("nothing") + " --patience 0";
+  const std::string imu = "live --imu " + file("no_imu") + " --patience 0";
   const std::string both = imu + " --radar " + file("nothing");
   fails(2, imu, {"--radar"});
   fails(1, both, {"frame rate of the radar is not known"});
   const std::string with = " --sensors " + flight_,
                     no_byte = "; no sample of the IMU: no byte came";
+  fails(1, imu + with + " --radar " + file("no_imu"), {"no_imu: given for two, IMU and radar 0"});
   fails(1, both + with, {"nothing is not there", "no sample of the IMU"});
   fails(1, both + with, {"rio: radar 0: " + file("nothing") + " is not there" + no_byte});
   fails(1, both + with + " --radar-cfg " RIO_SOURCE_DIR "/data/awr1843boost_odometry.cfg",

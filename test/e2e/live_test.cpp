@@ -206,7 +206,7 @@ class CliRadar {
 
 TEST_F(Live, SendsTheConfigurationFirst) {
   const std::string cfg = RIO_SOURCE_DIR "/data/awr1843boost_odometry.cfg";
-  const std::string live = "live --radar " + file("nothing") + " --imu " + file("nothing") +
+  const std::string live = "live --radar " + file("nothing") + " --imu " + file("no_imu") +
                            " --radar-cfg " + cfg + " --cli ";
   CliRadar radar;
   (void)try_rio(live + radar.path() + " --patience 0");
