@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Sphinx: the pages of this folder, and the documents of the repository beside them. build.sh knows the version."""
-project = "rio"
-author = copyright = "the rio authors"
-
 import os
 import sys
+
+project = "rio"
+author = copyright = "the rio authors"
 
 sys.path.insert(0, os.environ["RIO_PYTHON_SOURCE"])
 extensions = ["myst_parser", "sphinx.ext.autodoc"]

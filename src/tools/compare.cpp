@@ -110,8 +110,9 @@ std::vector<Run> runs_of(const CompareArguments& arguments) {
     std::vector<std::string> ignored;
     (void)io::flown_options(variant.second, {}, {}, &ignored);
   }
+  std::map<std::string, eval::Trajectory> files;
   for (const std::string& path : arguments.runs) {
-    if (!is_recording(path)) (void)io::read_trajectory(path);
+    if (!is_recording(path)) files[path] = io::read_trajectory(path);
   }
   const bool any = std::any_of(arguments.runs.begin(), arguments.runs.end(), is_recording);
   const EstimatorArguments& given = arguments.estimator;
@@ -126,7 +127,7 @@ std::vector<Run> runs_of(const CompareArguments& arguments) {
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const std::string& path = arguments.runs[i];
     if (!is_recording(path)) {
-      runs.push_back({labels[i], io::read_trajectory(path), {}, {}});
+      runs.push_back({labels[i], files[path], {}, {}});
       continue;
     }
     for (const auto& [variant, estimator] : variants) {

@@ -59,7 +59,8 @@ constexpr double kOtherAxes = 45.0;  // beyond what an estimate that follows the
 /// What a truth in another unit than metres looks like, to a factor of two; empty if it does not.
 std::string unit_of_truth(double size_ratio) {
   for (const auto& [unit, per_metre] : {std::pair("millimetres", 1000.0), {"centimetres", 100.0}}) {
-    if (std::abs(std::log(size_ratio / per_metre)) > std::log(2.0)) continue;
+    const bool near = std::abs(std::log(size_ratio / per_metre)) < std::log(2.0);
+    if (!near) continue;  // or neither of them moves
     return fmt::format(
         "the true positions span {:.0f} times what the estimate does: they seem to be in {}; "
         "divide "

@@ -257,8 +257,8 @@ void plot(const PlotArguments& arguments) {
   for (const Series& series : all) paths.emplace_back(series.label, series.poses);
   if (with_truth) paths.emplace_back(arguments.truth, truth);
   expect_common_time(paths);
-  for (Series& series : all) {
-    if (!with_truth) continue;
+  for (std::size_t i = 0; with_truth && i < all.size(); ++i) {
+    Series& series = all[i];
     series.pairs = lay_over(truth, arguments.align, &series.poses);
     if (series.pairs.size() < 2) {
       throw std::runtime_error(series.label + ": fewer than 2 poses have a true pose in " +

@@ -80,9 +80,8 @@ class Busy {
     for (int seconds = step;; seconds += step) {
       woken.wait_for(lock, stop, std::chrono::seconds(step), never);
       if (stop.stop_requested()) break;
-      if (seconds > 1)
-        std::fprintf(stderr, "%s%s, %d s%s", terminal ? "\r" : "", what, seconds,
-                     terminal ? "" : "\n");
+      if (seconds == 1) continue;
+      std::fprintf(stderr, terminal ? "\r%s, %d s" : "%s, %d s\n", what, seconds);
     }
     if (terminal) std::fprintf(stderr, "\r%40s\r", "");
   }

@@ -104,15 +104,14 @@ void ViewOutputs::open() {
   add_sink(std::make_unique<view::Messages>(std::make_unique<view::McapTarget>(arguments.mcap)));
 }
 
-void ViewOutputs::begin(const view::RunStart& start) {
+void ViewOutputs::begin(view::RunStart start) {
   if (!arguments_.report.empty()) expect_folder(arguments_.report);
-  view::RunStart all = start;
   const std::vector<std::string> labels = default_labels(arguments_.also);
   for (std::size_t i = 0; i < labels.size(); ++i) {
-    all.others.emplace_back(labels[i], io::read_trajectory(arguments_.also[i]));
+    start.others.emplace_back(labels[i], io::read_trajectory(arguments_.also[i]));
   }
   open();
-  for (const Sink& sink : sinks_) sink.to->begin(all);
+  for (const Sink& sink : sinks_) sink.to->begin(start);
 }
 
 template <class Call>

@@ -35,7 +35,7 @@ class ViewOutputs : public live::Listener {
   bool any() const { return !files_of(arguments_).empty() || !arguments_.port.empty(); }
   /// Opens the files: what a run that fails before has written earlier is kept.
   /// @throws std::runtime_error if something cannot be written
-  void begin(const view::RunStart& start);
+  void begin(view::RunStart start);
   /// After a scan was processed.
   void add(const Odometry& odometry);
   /// After a sample of the IMU.

@@ -55,6 +55,8 @@ TEST_F(Tool, EvaluateTellsOtherAxesOtherUnitsAndHowFarAnEstimateGoes) {
   expect_none(rio(evaluate + tum).output, other);
   const std::string metres = made("metres.tum", "NR % 5 == 0");
   expect_none(rio("evaluate " + metres + " " + tum).output, {"seem to be in"});
+  const std::string still = made("still.tum", "{$2 = $3 = $4 = 0; print}");
+  expect_none(rio("evaluate " + still + " " + still).output, {"seem to be in"});
   for (const auto& [name, factor] : {std::pair("millimetres", "1000"), {"centimetres", "100"}}) {
     const std::string by = std::string(" *= ") + factor;
     const std::string truth =

@@ -109,7 +109,9 @@ TEST_F(Tool, TheVerdictSaysWhatIsWrongAndSince) {
   // of the recording, whatever the start
   rio("replay " + flight + " --init static --report " + file("since.html"), {", first at 11."});
   expect_parts(text_of(file("since.html")),
-               {"\"events\":[{\"t\":1.5", "dead reckoning, radar silent"});
+               {"\"events\":[{\"t\":1.55",
+                "{\"t\":11.055,\"kind\":\"health\",\"serious\":false,\"text\":\"health: dead "
+                "reckoning, radar silent\"}"});
   const Json health = rio("replay " + flight + " --json").json()["health"];
   EXPECT_EQ(health["state"], "ok");
   EXPECT_NEAR(health["seconds"]["dead reckoning"].get<double>(), 1.0, 0.3);

@@ -25,7 +25,7 @@ struct Evaluation {
   std::size_t associated = 0;  ///< of these, poses with a true pose
   double duration = 0.0;       ///< from the first to the last associated pose [s]
   double path_length = 0.0;    ///< of the truth over that time [m]
-  double size_ratio = kNan;    ///< spread of the true positions over that of the estimated ones
+  double size_ratio = kNan;  ///< spread of the true positions over the estimated; NaN: none has any
 
   AbsoluteError ape_none;  ///< without alignment
   AbsoluteError ape_yaw;   ///< after yaw and position alignment

@@ -21,7 +21,7 @@ enum class Invalidates {
   kLandmarks,  ///< they agree with the state before; the caller drops the trails
 };
 
-/// What replace() is called with: a function object, as a lambda with captures is.
+/// Stands for the lambdas with captures that replace() is called with.
 struct StateChange {
   std::size_t captured;
   void operator()(StateEstimate* estimate) const;
