@@ -167,7 +167,7 @@ std::vector<RealRun> replay_campaign(const std::vector<Recording>& recordings,
     Options options;
     if (!preset(variant.preset, &options)) throw std::runtime_error("no such preset");
     io::apply_sensor_info(run.recording->data, &options);
-    options.frontend.ransac_seed = static_cast<int>(i % count) + 1;
+    options.frontend.ransac_seed = run.recording->first_seed + static_cast<int>(i % count);
     if (variant.change) variant.change(options);
     run.scores[i % count] = judge(*run.recording, replay(run.recording->data, options));
   });

@@ -27,7 +27,8 @@ struct Recording {
   std::string group;  ///< the folder it is in
   io::Dataset data;
   eval::Trajectory
-      reference;  ///< of reference.tum or truth.tum, may be empty; heights used if all zero
+      reference;       ///< of reference.tum or truth.tum, may be empty; heights used if all zero
+  int first_seed = 1;  ///< of the RANSAC
 
   bool flat() const;
   /// A vehicle that stands all the time, by its name.
@@ -111,7 +112,7 @@ struct RealRun {
   std::vector<RealScore> scores{};
 };
 
-/// Every recording with every variant and seed. Runs come by recording, then by variant.
+/// Every recording with every variant and that many seeds. Runs come by recording, then by variant.
 std::vector<RealRun> replay_campaign(const std::vector<Recording>& recordings,
                                      const Variants& variants, int seeds, const Settings& settings);
 
