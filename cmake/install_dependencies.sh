@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what the build needs from Debian or Ubuntu packages; asks for nothing that is there already.
-#   cmake/install_dependencies.sh [tools|tests|tidy|fuzz|package|arm64 [package]|armhf|docs]
-# tests, fuzz, package and the cross builds = tools and more, tidy = tests and more
+#   cmake/install_dependencies.sh [tools|tests|tidy|view|fuzz|package|arm64 [package]|armhf|docs]
+# tests, fuzz, package and the cross builds = tools and more, tidy and view = tests and more
 set -euo pipefail
 
 packages=(cmake g++ make ninja-build libeigen3-dev libyaml-cpp-dev libcli11-dev libfmt-dev nlohmann-json3-dev
@@ -10,9 +10,11 @@ python=(pybind11-dev python3-dev python3-numpy)
 ros2=(cyclonedds-dev cyclonedds-tools)
 foreign=
 case "${1:-tools}" in
-  tests | tidy) packages+=(libgtest-dev libceres-dev python3 valgrind "${python[@]}" python3-pytest python3-distributed
+  tests | tidy | view) packages+=(libgtest-dev libceres-dev python3 valgrind "${python[@]}" python3-pytest python3-distributed
     python3-matplotlib mypy "${ros2[@]}" libfastrtps-dev fastddsgen) ;;&
   tidy) packages+=(clang-format-14 clang-tidy-14) ;;
+  view) packages+=(chromium)
+    command -v npm >/dev/null || packages+=(npm) ;;
   package) packages+=("${python[@]}" "${ros2[@]}" libgtest-dev lintian dpkg-dev file) ;;
   docs) packages=(doxygen python3-sphinx python3-myst-parser) ;;
   arm64) foreign=arm64 packages+=(g++-aarch64-linux-gnu) ;;

@@ -3,6 +3,7 @@
 # measured.
 #   test/run.sh             all tests
 #   test/run.sh sanitize    all but the Monte Carlo tests, with AddressSanitizer and UBSan
+#   test/run.sh view        pages in Chromium, files and live view read by packages of npm
 #   test/run.sh thread      the test of two threads, with ThreadSanitizer
 #   test/run.sh tidy        clang-format, clang-tidy, every header compiled alone
 #   test/run.sh package     the Debian packages: lintian, installed into a root, used from there
@@ -20,6 +21,7 @@ needs=tests
 case "${1:-}" in
   sanitize | thread) mode=$1; shift ;;
   tidy) mode=tidy needs=tidy; shift ;;
+  view) needs=view; shift ;;
   package) cmake/install_dependencies.sh package; exec test/package/deb.sh "build/package${2:+-$2}" "${@:2}" ;;
   arm64 | armhf) exec test/cross.sh "$1" ;;
   docs) exec data/docs/build.sh ;;
@@ -42,6 +44,13 @@ if [ "$mode" = tidy ]; then
     xargs -P "$jobs" -n 4 clang-tidy-14 --quiet --extra-arg=-Wno-unknown-warning-option -p "$build"
   cmake --build "$build" -j "$jobs" --target headers_alone
   exit
+fi
+
+if [ "$needs" = view ]; then
+  npm install --silent --no-save --prefix build/npm playwright-core@1 ws@8 @mcap/core@2 @foxglove/rosmsg@5 \
+    @foxglove/rosmsg2-serialization@3 @foxglove/ws-protocol@0.8 node-mavlink@2
+  export NODE_PATH=$PWD/build/npm/node_modules
+  set -- -R '^(e2e_tool|bag|mavlink)_' "$@"
 fi
 
 if [ "$mode" = thread ]; then

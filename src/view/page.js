@@ -275,15 +275,17 @@ function startScene() {
   const size = Math.max(1, box.getSize(new THREE.Vector3()).length());
   const centre = box.getCenter(new THREE.Vector3());
   const lines = paths.map((path) => add(new THREE.Line(geometryOf(path.p), new THREE.LineBasicMaterial())));
-  const places = []; // lines are a pixel wide: dots make the first one thicker
+  const places = []; // lines are a pixel wide: dots make the first one thicker, in the time in view
+  const firstDot = [0]; // of each pose
   for (let i = 0; i + 1 < main.t.length; ++i) {
     const [from, to] = [at(main.p, i), at(main.p, i + 1)];
     const dots = Math.min(1000, Math.ceil((700 * from.distanceTo(to)) / size)); // as close as pixels
     for (let n = 0; n < dots; ++n) places.push(...from.clone().lerp(to, n / dots).toArray());
+    firstDot.push(places.length / 3);
   }
   const thick = new THREE.PointsMaterial({ size: 2, sizeAttenuation: false });
   thick.color = lines[0].material.color;
-  add(new THREE.Points(geometryOf(places), thick));
+  const dots = add(new THREE.Points(geometryOf(places), thick));
 
   function markers(label, pixels, positions = [], vertexColors = THREE.NoColors) {
     const icon = Object.assign(document.createElement("canvas"), { width: 64, height: 64 });
@@ -428,10 +430,12 @@ function startScene() {
     draw();
   }
   $("points").hidden = !marks.labels.length;
-  $("scene-note").textContent = "Drag to turn, click and wheel to zoom." + (serious.length ? " Red rings: serious events." : "") +
+  $("scene-note").textContent = "Drag to turn, click and wheel to zoom. Thick: the time in view." + (serious.length ? " Red rings: serious events." : "") +
     (marks.labels.length ? " Points and landmarks are those of the scan at the cursor." : "");
   listeners.push((t) => {
     showPoints(t);
+    const [from, to] = shown.map((border) => firstDot[before(main.t, border)]);
+    dots.geometry.setDrawRange(from, to - from);
     const i = before(main.t, t);
     body.position.copy(at(main.p, i));
     if (main.q.length) body.quaternion.fromArray(main.q, 4 * i);

@@ -78,11 +78,14 @@ async function main() {
     page.$$eval(".plot .area", (all) => all.map((a) => [...a.querySelectorAll(".dygraph-axis-label-x")].map((l) => l.textContent).join()));
   const wide = await labels();
   const hairCount = after.length;
+  const scene = () => page.$eval("#view", (c) => c.toDataURL());
+  const all = await scene();
   await page.focus("#play");
   await page.keyboard.press("+");
   await page.waitForTimeout(300);
   const narrow = await labels();
   for (let i = 0; i < hairCount; ++i) if (wide[i] === narrow[i]) fail(`plot ${i} does not zoom`);
+  if ((await scene()) === all) fail("the path does not show the time in view");
   await page.click("#whole");
   await page.waitForTimeout(300);
   if ((await labels()).slice(0, hairCount).join() !== wide.slice(0, hairCount).join()) fail("the zoom does not end");
@@ -102,7 +105,6 @@ async function main() {
   await page.evaluate(() => scrollTo(0, 0));
 
   // the 3-D view turns
-  const scene = () => page.$eval("#view", (c) => c.toDataURL());
   await page.focus("#view");
   const one = await scene();
   await page.keyboard.press("ArrowLeft");
