@@ -147,7 +147,7 @@ class Pipeline {
     const Time start = now();
     backend_.select_radar(received.radar);
     const Time last = estimate().nav.time;
-    const Time measured = taken_at(received, last);
+    const Time measured = processing_time(received, last);
     while (const std::optional<Time> full = aiding_.full_batch(measured)) {
       (void)process_aiding(*full, imu);
     }
@@ -237,7 +237,7 @@ class Pipeline {
 
   /// Time at which a scan is processed: not before the estimate and, with several radars, at the
   /// time of the estimate if it was measured less than kTogether later.
-  Time taken_at(const DetectionList& scan, Time estimate_time) const {
+  Time processing_time(const DetectionList& scan, Time estimate_time) const {
     constexpr Time kTogether = std::chrono::milliseconds(2);
     const Time measured = measured_at(scan.time, scan.radar);
     const bool together = options_.radars() > 1 && measured - estimate_time < kTogether;

@@ -217,6 +217,7 @@ struct Counters {
   std::uint64_t aiding_late = 0;
   std::uint64_t aiding_ahead = 0;
   std::uint64_t aiding_overflow = 0;    ///< dropped, since too many are waiting
+  std::uint64_t moving_starts = 0;      ///< without a standstill, see StartOptions::max_wait
   std::uint64_t updates_failed = 0;     ///< kNumerical
   std::uint64_t velocity_resets = 0;    ///< the scans contradicted the velocity for too long
   std::uint64_t attitude_resets = 0;    ///< same for gravity or landmarks: attitude or a bias

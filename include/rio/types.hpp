@@ -30,6 +30,9 @@ using Matrix3d = Eigen::Matrix3d;
 /// Hamilton unit quaternion whose size and alignment do not depend on compiler flags.
 using Quaternion = Eigen::Quaternion<double, Eigen::DontAlign>;
 
+inline constexpr double kDegree = 3.14159265358979323846 / 180.0;  ///< [rad]
+inline constexpr double kStandardGravity = 9.80665;                ///< the unit g [m/s^2]
+
 /// One inertial measurement.
 struct ImuSample {
   Time time{0};

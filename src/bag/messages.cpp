@@ -62,7 +62,6 @@ Quaternion read_xyzw(WireReader* reader) {
 Vector3d from_first(const Vector3d& fix, const Vector3d& first) {
   constexpr double kEquator = 6378137.0;               // WGS 84 [m]
   constexpr double kEccentricity2 = 6.69437999014e-3;  // squared
-  constexpr double kDegree = std::numbers::pi / 180.0;
   const double latitude = fix[0] * kDegree;
   const double first_latitude = first[0] * kDegree;
   const double s = 1.0 - kEccentricity2 * std::pow(std::sin(first_latitude), 2);

@@ -95,6 +95,12 @@ Matrix3d flu_from(Axes axes) {
   return R;
 }
 
+Axes axes_named(const std::string& name) {
+  const auto axes = std::find(kAxesNames.begin(), kAxesNames.end(), name);
+  if (axes == kAxesNames.end()) throw std::runtime_error("no such axes: \"" + name + "\"");
+  return static_cast<Axes>(axes - kAxesNames.begin());
+}
+
 PointMap::PointMap(const std::vector<PointField>& fields, const PointRequest& request)
     : fields_(fields) {
   for (auto rule = request.fields.rbegin(); rule != request.fields.rend(); ++rule) {
@@ -117,9 +123,7 @@ void PointMap::set_by(const PointRequest& request) {
     match_names();
   }
   if (!request.axes.empty()) {
-    const auto axes = std::find(kAxesNames.begin(), kAxesNames.end(), request.axes);
-    if (axes == kAxesNames.end()) fail("no such axes: \"" + request.axes + "\"");
-    axes_ = static_cast<Axes>(axes - kAxesNames.begin());
+    axes_ = axes_named(request.axes);
   }
   settle_point();
   if (request.approaching) sources_[kDoppler]->scale *= -1.0;

@@ -221,7 +221,11 @@ Source* Sources::choose_optional(const std::string& role, const std::string& nam
     note_left_out(source->role.name, source->unreadable, source->first_error);
   }
   std::erase_if(sources, [](const Source* source) { return source->stamps.count == 0; });
-  if (sources.size() > 1) note("several topics may be the {}: none is used; --{}", role, role);
+  if (sources.size() > 1) {
+    std::string names;
+    for (const Source* source : sources) names += " " + source->role.name;
+    note("several topics may be the {}: none is used; --{} chooses one:{}", role, role, names);
+  }
   return sources.size() == 1 ? sources[0] : nullptr;
 }
 

@@ -60,6 +60,7 @@ CalibrationRun run_calibration(const Recording& recording, const Options& option
             ? "no radar scan after the start"
             : "no start: the estimator found no standstill; `rio check` looks for the cause");
   }
+  run.began_in_motion = odometry->counters().moving_starts > 0;
   run.velocity_resets = static_cast<int>(odometry->counters().velocity_resets);
   return run;
 }

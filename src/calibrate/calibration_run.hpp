@@ -20,6 +20,7 @@ using CalibrationReports = std::array<CalibrationReport, kCalibrationCount>;
 struct CalibrationRun {
   CalibrationReports calibration;  ///< after the last scan, relative to the values of the options
   std::vector<Start> states;       ///< after each scan
+  bool began_in_motion = false;    ///< without a standstill
   int velocity_resets = 0;         ///< number of resets because the scans contradicted the velocity
 };
 

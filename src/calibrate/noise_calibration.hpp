@@ -41,7 +41,7 @@ TruthAt interpolated_truth(std::vector<NavState> rows);
 struct NoiseCalibration {
   eval::NoiseFit fit;
   int runs = 0;
-  bool converged = false;  ///< the last run changed no sigma by more than 2 % and a standard error
+  bool converged = false;  ///< the last run changed no sigma by more than 2 % or its standard error
   std::array<bool, 4> settled{};  ///< it changed the sigma by less than a standard error
   std::size_t landmarks = 0;      ///< matches with landmarks in the last run
   std::size_t dopplers = 0;

@@ -151,7 +151,8 @@ SensorNoise noise_over_recordings(const std::vector<Recording>& recordings,
   for (std::size_t i = 0; i < recordings.size(); ++i) {
     const std::string name = "recording " + std::to_string(i + 1);
     if (each) each(name + ": noise");
-    const Recording& recording = recordings[i];
+    Recording recording = recordings[i];
+    if (runs[i].began_in_motion) recording.start = runs[i].begin;
     const Start& middle = runs[i].middle;
     const Fit whole = fit(recording, options, name, &out.notes);
     const Fit first = fit(first_half(recording, middle.state.time), options, name, &of_halves);
@@ -167,7 +168,7 @@ SensorNoise noise_over_recordings(const std::vector<Recording>& recordings,
     }
     if (recording.start) continue;  // no certain standstill
     const double duration = options.start.duration;
-    const Time begin = runs[i].begin;
+    const Time begin = runs[i].begin.state.time;
     gyro.push_back(rest_noise_and_halves(recording, begin, duration, &ImuSample::gyro_B));
     accel.push_back(rest_noise_and_halves(recording, begin, duration, &ImuSample::accel_B));
   }

@@ -104,7 +104,8 @@ std::vector<RecordingCalibration> pass(const std::vector<Recording>& recordings,
     const CalibrationRun whole = run(with_halves ? "second pass" : "first pass", start, kToTheEnd);
     result.whole = off_configured(whole, options.radar, centre);
     result.velocity_resets = whole.velocity_resets;
-    result.begin = whole.states.front().state.time;
+    result.begin = whole.states.front();
+    result.began_in_motion = whole.began_in_motion;
     result.middle = reopened(half_way(whole.states));
     if (with_halves) {
       const CalibrationRun first = run("first half", start, result.middle.state.time);

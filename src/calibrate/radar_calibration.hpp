@@ -14,7 +14,8 @@
 // (E4) B_o^2: mean square of the halves' (E3) over all other parameters, not below 1
 // (E5) B^2 = (chi^2 + n B_o^2) / (dof + n), n = 4: spread of the h about x_h, or of the w about
 //      x_w, whichever is larger (Birge, Phys. Rev. 40, 1932), shrunk towards that of the others
-//      (Smyth, Stat. Appl. Genet. Mol. Biol. 3, 2004): one pair that agrees by chance is no proof
+//      (Smyth, Stat. Appl. Genet. Mol. Biol. 3, 2004): a pair that agrees by chance
+//      must not make the sigma small
 // (E6) sigma^2 = s_w^2 max(1, B^2) + (x_w - x_h)^2 + c^2, c the error common to all halves, which
 //      no spread can show (kCommonError)
 // (E7) contradictory: halves or recordings apart by more than 3 B_o; for the Doppler scale and the
@@ -67,7 +68,8 @@ struct RecordingCalibration {
   MeasuredCalibration whole{};
   MeasuredCalibration first{};
   MeasuredCalibration second{};
-  Time begin{0};            ///< of the first state
+  Start begin;  ///< first state
+  bool began_in_motion = false;
   Start middle;             ///< of the second half
   int velocity_resets = 0;  ///< of the whole run
 };

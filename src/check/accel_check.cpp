@@ -15,8 +15,6 @@ namespace rio::check {
 
 namespace {
 
-constexpr double kStandardGravity = 9.80665;
-
 struct Unit {
   const char* name;
   double factor;  ///< to [m/s^2]

@@ -63,8 +63,8 @@ std::string Advice::option(const std::string& of_first, const std::string& of_ot
 }
 
 std::optional<std::string> Advice::axes(const Matrix3d& turn) const {
-  if (!bag() || info == nullptr || info->axes.empty()) return std::nullopt;
-  if (several && info->is_from_tree) return std::nullopt;
+  if (info == nullptr || (bag() && info->axes.empty())) return std::nullopt;
+  if (several && (!bag() || info->is_from_tree)) return std::nullopt;
   for (const char* name : {"flu", "ti", "rdf", "frd"}) {
     const bool fits = (turn * to_flu(info->axes) - to_flu(name)).norm() < 1e-6;
     if (fits) return std::string("--axes ") + name;

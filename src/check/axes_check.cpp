@@ -221,9 +221,8 @@ Finding check_axes(const Judge& judge, const Axes& found, const std::vector<Axes
   if (inverts_the_accelerometer(judge, found)) {
     out.text += fmt::format(", and {:.0f} % with the accelerometer negated", 100.0 * best);
     out.change =
-        "the accelerometer has the wrong sign: at rest it reads +9.81 m/s^2 on the axis that is up";
-    if (judge.advice.bag())
-      out.change = "--accel-unit -m/s^2 (-UNIT if one is given): " + out.change;
+        "--accel-unit -m/s^2 (-UNIT if one is given): the accelerometer has the wrong sign, as at "
+        "rest it reads +9.81 m/s^2 on the axis that is up";
     return out;
   }
   if (unknown) {
@@ -241,12 +240,6 @@ Finding check_axes(const Judge& judge, const Axes& found, const std::vector<Axes
     if (!imu_axes) continue;
     out.text += fmt::format(", and {:.0f} % if the IMU is in {}, as its gravity also shows",
                             100.0 * judge.all.explained(axes.R), *imu_axes);
-    if (!judge.advice.bag()) {  // the lever arm is turned, too
-      Options turned = judge.options;
-      turned.radar.T_BS.translation = turn * turned.radar.T_BS.translation;
-      out.change = change_of(judge.configured, with_error(judge, axes), sign, turned, judge.advice);
-      return out;
-    }
     out.change = "--imu-axes " + *imu_axes;
     if (*imu_axes == "frd") out.change += " (flu, if they are turned from frd already)";
     return out;

@@ -26,8 +26,8 @@ namespace rio::check {
 
 /// Largest uncertainty of velocity and tilt of an estimate that is ok; the limits of
 /// HealthReason::kUncertainVelocity and kUncertainTilt.
-inline constexpr double kMostVelocity = 0.5;                               // [m/s]
-inline constexpr double kMostTilt = 3.0 * 3.14159265358979323846 / 180.0;  // [rad]
+inline constexpr double kMostVelocity = 0.5;        // [m/s]
+inline constexpr double kMostTilt = 3.0 * kDegree;  // [rad]
 
 /// The tilt in flight is known to about a degree, which causes this apparent acceleration.
 inline constexpr double kFeigned = 0.17;  // [m/s^2]

@@ -7,13 +7,10 @@
 #include <cstddef>
 #include <functional>
 #include <limits>
-#include <numbers>
 #include <optional>
 #include <vector>
 
 namespace rio::check {
-
-inline constexpr double kDegree = std::numbers::pi / 180.0;  ///< [rad]
 
 /// Possible units of a Doppler, and their factor relative to [m/s].
 struct DopplerUnit {

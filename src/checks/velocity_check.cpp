@@ -32,25 +32,26 @@ std::optional<IndependentVelocity> VelocityCheck::observe(const DetectionList& s
   const Time now = x.nav.time;
   const int n = static_cast<int>(rows_.size());
   if (n < kMinRows) return abstain(now);
-  const Vector3d believed = x.nav.q_WB.conjugate() * x.nav.v_WB;
-  chance_ = chance_share(believed, sigma);
-  const double supported = static_cast<double>(support(believed)) / n;
-  const double likely = likelihood(believed);
+  const Vector3d predicted = x.nav.q_WB.conjugate() * x.nav.v_WB;
+  chance_ = chance_share(predicted, sigma);
+  const double supported = static_cast<double>(count_support(predicted)) / n;
+  const double likely = likelihood(predicted);
   const bool unique_fold = tightest_.is_unique(sigma * sigma);
-  if (unique_fold && supported >= kAgreement && likely > kTelling * n) return agree(now);
+  if (unique_fold && supported >= kAgreement && likely > kMinLikelihoodPerRow * n)
+    return agree(now);
 
   Vector3d best = Vector3d::Zero();
-  const bool alone = search(believed, scan.time, &best);
-  if (unique_fold && kClearly * likely > likelihood(best)) {
+  const bool alone = search(predicted, scan.time, &best);
+  if (unique_fold && kLikelihoodRatio * likely > likelihood(best)) {
     return supported >= kMajority ? agree(now) : abstain(now);
   }
   if (!alone || rows_.back().time - rows_.front().time < kSpan) return std::nullopt;
-  const int count = support(best);
+  const int count = count_support(best);
   if (count < kMinRows || count < kMajority * n) return abstain(now);
   std::optional<IndependentVelocity> other = refine(best);
   if (!other) return abstain(now);
   // an error within the covariance is corrected by the update
-  const double difference = (other->v_B - believed).norm();
+  const double difference = (other->v_B - predicted).norm();
   if (unique_fold && difference < 3.0 * sigma) return std::nullopt;
   contradiction_ = difference;
   if (!record_.lasts(now, proven() && !at_rest ? kLongPatience : kPatience)) return std::nullopt;
@@ -132,7 +133,7 @@ double VelocityCheck::sigma(const Row& row, double speed) const {
   return std::max(options_.frontend.ransac_threshold / 3.0, own) + drift_ / 3.0 * row.age;
 }
 
-int VelocityCheck::support(const Vector3d& v) const {
+int VelocityCheck::count_support(const Vector3d& v) const {
   const double speed = v.norm();
   return static_cast<int>(std::count_if(rows_.begin(), rows_.end(), [&](const Row& row) {
     return std::abs(residual(row, v)) < 3.0 * sigma(row, speed);
@@ -167,18 +168,18 @@ double VelocityCheck::chance_share(const Vector3d& v, double sigma) const {
   double expected = 0.0;
   for (const Row& row : rows_) {
     const double bound = 3.0 * (this->sigma(row, speed) + sigma);
-    const double beside = std::min(kBeside, row.fold.limit() - bound);
+    const double band = std::min(kChanceBand, row.fold.limit() - bound);
     const double r = std::abs(residual(row, v));
     if (r < bound) {
       inside += 1.0;
-    } else if (r < bound + beside) {
-      expected += bound / beside;
+    } else if (r < bound + band) {
+      expected += bound / band;
     }
   }
   return expected < inside ? expected / inside : 1.0;
 }
 
-bool VelocityCheck::search(const Vector3d& believed, Time seed, Vector3d* best) const {
+bool VelocityCheck::search(const Vector3d& predicted, Time seed, Vector3d* best) const {
   SplitMix64 random(static_cast<std::uint64_t>(seed.count()));
   const double apart = 0.5 * std::min(tightest_.limit(), 2.0);  // half a fold, 1 m/s at most
   *best = Vector3d::Zero();
@@ -186,11 +187,11 @@ bool VelocityCheck::search(const Vector3d& believed, Time seed, Vector3d* best) 
   double rival = 0.0;
   const auto consider = [&](Vector3d v) {
     if (v.norm() > kFastest) return;
-    double L = likelihood(v, kNearly * most);
-    if (L > kNearly * most && (v - *best).norm() > apart) {  // another one, or does it scatter?
-      v = climbed(v);
+    double L = likelihood(v, kRivalRatio * most);
+    if (L > kRivalRatio * most && (v - *best).norm() > apart) {  // another one, or does it scatter?
+      v = local_maximum(v);
       if (v.norm() > kFastest) return;
-      L = likelihood(v, kNearly * most);
+      L = likelihood(v, kRivalRatio * most);
     }
     const bool far = (v - *best).norm() > apart;
     if (L > most) {
@@ -201,7 +202,7 @@ bool VelocityCheck::search(const Vector3d& believed, Time seed, Vector3d* best) 
       rival = std::max(rival, L);
     }
   };
-  consider(believed);
+  consider(predicted);
   const auto n = static_cast<std::uint32_t>(rows_.size());
   for (int draw = 0; draw < kDraws; ++draw) {
     Matrix3d A;
@@ -220,7 +221,7 @@ bool VelocityCheck::search(const Vector3d& believed, Time seed, Vector3d* best) 
     const Matrix3d inverse = A.inverse();
     consider(inverse * b);
     if (!tightest_.ambiguous()) continue;
-    const Vector3d expected = A * believed;
+    const Vector3d expected = A * predicted;
     consider(inverse * Vector3d(fold[0].nearest(b[0], expected[0]),
                                 fold[1].nearest(b[1], expected[1]),
                                 fold[2].nearest(b[2], expected[2])));
@@ -230,10 +231,10 @@ bool VelocityCheck::search(const Vector3d& believed, Time seed, Vector3d* best) 
       consider(inverse * (b + period.cwiseProduct(folds.cast<double>())));
     }
   }
-  return rival < kNearly * most;
+  return rival < kRivalRatio * most;
 }
 
-Vector3d VelocityCheck::climbed(Vector3d v) const {
+Vector3d VelocityCheck::local_maximum(Vector3d v) const {
   for (int i = 0; i < kClimb; ++i) {
     const std::optional<IndependentVelocity> next = refine(v);
     if (!next) break;

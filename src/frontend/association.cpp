@@ -45,7 +45,7 @@ void Association::match(const DetectionList& scan, const std::array<bool, kMaxDe
     const LandmarkState& landmark = predicted.landmarks[i];
     if (landmark.retired) continue;
     add_row(i,
-            {to_radar(T_WB, T_BS, landmark.p_W), believed(landmark.covariance_S),
+            {to_radar(T_WB, T_BS, landmark.p_W), matching_covariance(landmark.covariance_S),
              gate_after(predicted.distance_travelled - landmark.distance_seen)},
             scan, usable, &out->near_landmark);
   }
@@ -58,7 +58,7 @@ void Association::match(const DetectionList& scan, const std::array<bool, kMaxDe
     const Matrix3d turn = (T_WB.R * T_BS.R).transpose() * then.R * T_BS.R;
     add_row(landmarks + i,
             {to_radar(T_WB, T_BS, point_W),
-             believed(turn * point_covariance(newest.detection) * turn.transpose()),
+             matching_covariance(turn * point_covariance(newest.detection) * turn.transpose()),
              gate_after((T_WB.p - then.p).norm())},
             scan, usable, nullptr);
   }

@@ -71,11 +71,12 @@ void OwnEchoes::observe(const DetectionList& scan, const Vector3d& v_S,
       const double off = apart(d, rate);
       const double ratio = 0.5 * (off * off / rate.S - d.range_rate * d.range_rate / variance +
                                   std::log(rate.S / variance));
-      place->evidence = std::clamp(place->evidence + std::min(ratio, kOnce), -kSure, kMost);
+      place->evidence = std::clamp(place->evidence + std::min(ratio, kMaxOfSighting),
+                                   -kEvidenceOfEcho, kMaxEvidence);
     }
     if (place == nullptr) continue;
     place->seen = scan.time;
-    if (place->evidence >= kSure) own->push_back(i);
+    if (place->evidence >= kEvidenceOfEcho) own->push_back(i);
   }
 }
 

@@ -29,10 +29,10 @@ std::optional<RestModel::Measurement> RestDetector::observe(const DetectionList&
                                                             const BodyCovariance& P) {
   if (!options_.frontend.detect_rest) return std::nullopt;
   const Time to = x.time;
-  const Span span = listen(from, to, imu, x.gyro_bias);
+  const Span span = measure_vibration(from, to, imu, x.gyro_bias);
   const double duration = to_seconds(to - from);
   Points points = points_of(scan, to);
-  points.force = beside_gravity(from, imu, x, options_.imu);
+  points.force = force_beyond_gravity(from, imu, x, options_.imu);
   if (span.samples == 0.0 && duration < kSameInstant && !scans_.empty()) {
     scans_.push_back(points);  // of another radar at the same instant: tested with the next scan
     return std::nullopt;
@@ -48,7 +48,7 @@ std::optional<RestModel::Measurement> RestDetector::observe(const DetectionList&
   if (points.all == 0.0 || !calm_ || to - *calm_ > kCalmLasts || !without_doppler()) {
     return std::nullopt;
   }
-  if (coarse_[scan.radar] && settled_ && sets_off(x, P)) return std::nullopt;
+  if (coarse_[scan.radar] && settled_ && starts_to_move(x, P)) return std::nullopt;
   if (!since_) since_ = to;
   settled_ = settled_ || to - *since_ > kSettled;
   const double noise = options_.imu.gyro_noise_density / std::sqrt(duration);
@@ -86,8 +86,9 @@ bool RestDetector::without_doppler() const {
   return chi2 < kChi2 * static_cast<double>(scans_.size());  // (E2)
 }
 
-RestDetector::Force RestDetector::beside_gravity(Time from, const ImuBuffer& imu, const NavState& x,
-                                                 const ImuOptions& options) {
+RestDetector::Force RestDetector::force_beyond_gravity(Time from, const ImuBuffer& imu,
+                                                       const NavState& x,
+                                                       const ImuOptions& options) {
   const Vector3d gravity_B = x.q_WB.conjugate() * Vector3d(0.0, 0.0, -options.gravity);
   const double declared = options.accel_noise_density * options.accel_noise_density;
   Force force;
@@ -100,7 +101,7 @@ RestDetector::Force RestDetector::beside_gravity(Time from, const ImuBuffer& imu
   return force;
 }
 
-bool RestDetector::sets_off(const NavState& x, const BodyCovariance& P) const {
+bool RestDetector::starts_to_move(const NavState& x, const BodyCovariance& P) const {
   Force sum;
   for (std::size_t i = scans_.size(); i-- > 0 && x.time - scans_[i].time < kSteady;) {
     sum.duration += scans_[i].force.duration;
@@ -120,8 +121,8 @@ bool RestDetector::sets_off(const NavState& x, const BodyCovariance& P) const {
   return sum.sum_B.dot(S.inverse() * sum.sum_B) > kForceChi2;
 }
 
-RestDetector::Span RestDetector::listen(Time from, Time to, const ImuBuffer& imu,
-                                        const Vector3d& gyro_bias) {
+RestDetector::Span RestDetector::measure_vibration(Time from, Time to, const ImuBuffer& imu,
+                                                   const Vector3d& gyro_bias) {
   Span span;
   for (std::size_t i = 0; i < imu.size(); ++i) {
     if (imu[i].time <= from || imu[i].time > to) continue;

@@ -129,7 +129,7 @@ class ScanFolder final : public RecordingStream {
       return true;
     });
     Dataset& sensors = outline_.sensors;
-    sensors.notes.emplace_back("no mounting in the files: T_BS of --config or --sensors");
+    if (2 * cut_ > files_.size()) throw std::runtime_error(sensors.damage);  // another format
     if (left_out_ > 0) {
       sensors.notes.push_back(fmt::format("{} points are not finite and are left out", left_out_));
     }
@@ -151,11 +151,13 @@ class ScanFolder final : public RecordingStream {
     if (!stream) throw std::runtime_error(file.string() + ": cannot be opened");
     const std::string bytes((std::istreambuf_iterator<char>(stream)), {});
     if (bytes.size() % layout_.bytes != 0) {
-      throw std::runtime_error(fmt::format("{}: {} bytes are no points of {} bytes", file.string(),
-                                           bytes.size(), layout_.bytes));
+      if (cut_++ == 0) {
+        outline_.sensors.damage = fmt::format("{}: {} bytes are no points of {} bytes",
+                                              file.string(), bytes.size(), layout_.bytes);
+      }
     }
     scan->detections.clear();
-    for (std::size_t at = 0; at < bytes.size(); at += layout_.bytes) {
+    for (std::size_t at = 0; at + layout_.bytes <= bytes.size(); at += layout_.bytes) {
       RadarDetection d = layout_.point(bytes.data() + at);
       if (!std::isfinite(d.snr_db)) d.snr_db = 0.0;  // as if not given
       if (d.point_S.allFinite() && std::isfinite(d.range_rate)) {
@@ -183,7 +185,8 @@ class ScanFolder final : public RecordingStream {
   std::vector<fs::path> files_;
   std::size_t next_imu_ = 0;
   std::size_t next_scan_ = 0;
-  std::size_t left_out_ = 0;
+  std::size_t left_out_ = 0;  ///< points
+  std::size_t cut_ = 0;       ///< files
 };
 
 }  // namespace

@@ -92,7 +92,6 @@ std::vector<SensorKey> imu_keys(ImuInfo* info) {
 }
 
 std::vector<SensorKey> radar_keys(RadarInfo* info) {
-  constexpr double kDegree = 3.14159265358979323846 / 180.0;
   return {{"rate_hz", "Hz", 1.0, &info->rate_hz},
           {"max_range_m", "m", 1.0, &info->max_range},
           {"max_doppler_mps", "m/s", 1.0, &info->max_doppler},

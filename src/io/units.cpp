@@ -26,8 +26,6 @@ struct NamedUnit {
   std::array<int, 4> exponents;
 };
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
-constexpr double kStandardGravity = 9.80665;  // [m/s^2]
 constexpr std::array<NamedUnit, 25> kUnits = {{
     {"m", 1.0, {1, 0, 0, 0}},
     {"km", 1e3, {1, 0, 0, 0}},

@@ -271,6 +271,7 @@ class Engine final : public Odometry::Impl {
       pipeline_.reset(*alignment);
     } else {
       pipeline_.reset(moving->state, moving->covariance);
+      ++counters.moving_starts;
     }
     forget_scans();
     initialized = true;

@@ -82,7 +82,7 @@ double ImuNoiseMeter::density(std::size_t sensor) const {
     q = std::min(q, interval_ * mean.value / kGain[l]);
   }
   if (q == kInfinite) return 0.0;
-  return onset.now ? (1.0 + kUnnoticed) * q : q;
+  return onset.now ? (1.0 + kOnsetDelay) * q : q;
 }
 
 }  // namespace rio

@@ -41,7 +41,7 @@ void Restart::begin(const NavState& x, const BodyCovariance& P, bool diverged, T
     newest_ = x.time;
     if (diverged) {
       before_.sigma_yaw = kAnyYaw;
-      before_.sigma_position += kUnnoticed * x.v_WB.norm();
+      before_.sigma_position += kDetectionDelay * x.v_WB.norm();
     }
   }
   before_.sigma_yaw = std::min(before_.sigma_yaw, kAnyYaw);

@@ -138,8 +138,9 @@ py::dict counters_of(const Odometry& odometry) {
                   "scans_uninitialized"_a = c.scans_uninitialized, "aiding"_a = c.aiding,
                   "aiding_late"_a = c.aiding_late, "aiding_ahead"_a = c.aiding_ahead,
                   "aiding_overflow"_a = c.aiding_overflow, "updates_failed"_a = c.updates_failed,
-                  "velocity_resets"_a = c.velocity_resets, "attitude_resets"_a = c.attitude_resets,
-                  "restarts"_a = c.restarts, "position_reopened"_a = c.position_reopened);
+                  "moving_starts"_a = c.moving_starts, "velocity_resets"_a = c.velocity_resets,
+                  "attitude_resets"_a = c.attitude_resets, "restarts"_a = c.restarts,
+                  "position_reopened"_a = c.position_reopened);
 }
 
 /// Those that are calling their on_scan, and the thread that does.

@@ -40,7 +40,7 @@ Prior::Prior(const Layout& layout, int max_states)
       w_(g_),
       A_xi_(g_) {
   states_.reserve(static_cast<std::size_t>(max_states));
-  owed_.fill(Vector3d::Zero());
+  pending_walk_.fill(Vector3d::Zero());
 }
 
 void Prior::assign(const Eigen::Ref<const Eigen::MatrixXd>& A,
@@ -50,8 +50,8 @@ void Prior::assign(const Eigen::Ref<const Eigen::MatrixXd>& A,
   for (int s = 0; s < leading; ++s) {
     states_.push_back(window[first + static_cast<std::size_t>(s)].nav);
   }
-  std::fill(owed_.begin() + static_cast<std::ptrdiff_t>(landmarks_.size()), owed_.end(),
-            Vector3d::Zero());
+  std::fill(pending_walk_.begin() + static_cast<std::ptrdiff_t>(landmarks_.size()),
+            pending_walk_.end(), Vector3d::Zero());
   landmarks_ = x.landmarks;
   for (std::size_t r = 0; r < layout_.radars(); ++r) radars_[r] = x.of_radar(r);
   auxiliary_ = x.auxiliary;
@@ -98,15 +98,15 @@ void Prior::add_landmark_noise(const Estimate& x, const Vector3d& p_WB, double w
   if (!(walk * distance > 0.0) || landmarks_.empty()) return;
   constexpr std::size_t kTogether = cholesky::kPanel / Landmark::kDof;
   for (std::size_t i = 0; i < landmarks_.size(); ++i) {
-    owed_[i] += landmark_walk(x.landmarks[i], p_WB, walk, distance);
+    pending_walk_[i] += landmark_walk(x.landmarks[i], p_WB, walk, distance);
   }
   if (turn_ >= landmarks_.size()) turn_ = 0;
   const std::size_t first = turn_;
   turn_ = std::min(first + kTogether, landmarks_.size());
   PanelVector inverse(Landmark::kDof * static_cast<Eigen::Index>(turn_ - first));
   for (std::size_t i = first; i < turn_; ++i) {
-    inverse.segment<3>(3 * static_cast<Eigen::Index>(i - first)) = owed_[i].cwiseInverse();
-    owed_[i].setZero();
+    inverse.segment<3>(3 * static_cast<Eigen::Index>(i - first)) = pending_walk_[i].cwiseInverse();
+    pending_walk_[i].setZero();
   }
   add_noise(landmark(first), inverse);
 }
@@ -184,7 +184,7 @@ void Prior::remove_landmark(std::size_t i, std::size_t last) {
     A_.middleRows(at, 3).leftCols(n).setZero();
     A_.middleCols(at, 3).topRows(n).setZero();
     g_.segment<3>(at).setZero();
-    owed_[i].setZero();
+    pending_walk_[i].setZero();
     return;
   }
   if (i != own_last) {
@@ -193,7 +193,7 @@ void Prior::remove_landmark(std::size_t i, std::size_t last) {
     A_.block(0, at, n, 3) = A_.block(0, source, n, 3);
     g_.segment<3>(at) = g_.segment<3>(source);
     landmarks_[i] = landmarks_[own_last];
-    owed_[i] = owed_[own_last];
+    pending_walk_[i] = pending_walk_[own_last];
   }
   landmarks_.pop_back();
 }

@@ -136,6 +136,11 @@ void calibrate(const CalibrateArguments& arguments) {
   std::vector<calibrate::Recording> recordings;
   for (std::size_t i = 0; i < datasets.size(); ++i) {
     recordings.push_back({datasets[i].imu, datasets[i].scans, std::nullopt, {}});
+    if (!datasets[i].other_radars.empty()) {
+      report.notes.push_back(fmt::format(
+          "{}: the first of {} radars is calibrated; --radar TOPIC chooses one of a bag",
+          arguments.datasets[i], datasets[i].other_radars.size() + 1));
+    }
     note_other_mounting(datasets.front(), datasets[i], arguments.datasets[i], report.configured,
                         &report.notes);
   }

@@ -18,8 +18,8 @@
 
 namespace rio::tools {
 
-/// How to read a bag; not allowed with a folder in ASL layout. For empty values the map applies,
-/// else the data set, else bag::RecordingRequest{}.
+/// How to read a bag; of a folder only axes, units and sign. For empty values the map applies, else
+/// the data set, else bag::RecordingRequest{}.
 struct RecordingArguments {
   std::string dataset;  ///< of bag::dataset_presets()
   std::string map;      ///< file
@@ -160,7 +160,7 @@ struct SimulateArguments {
   live::CableNoise cable{};  ///< its seed is ignored
 };
 void simulate(const SimulateArguments& arguments);
-/// The same without its summary.
+/// The same, prints nothing; for Python.
 void run_simulate(const SimulateArguments& arguments);
 
 /// `rio evaluate`: estimated paths against the true one.

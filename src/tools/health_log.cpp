@@ -89,8 +89,9 @@ std::string HealthLog::verdict() const {
   for (std::size_t i = 0; i < kHealthReasonCount; ++i) {
     const Reason& reason = reasons_[i];
     if (reason.seconds == 0.0) continue;
-    append(&why, fmt::format("{} for {:.1f} s, first at {:.1f} s", to_string(reason_at(i)),
-                             reason.seconds, to_seconds(reason.first - begin_)));
+    append(&why, fmt::format("{} for {:.{}f} s, first at {:.1f} s", to_string(reason_at(i)),
+                             reason.seconds, reason.seconds < 0.1 ? 3 : 1,
+                             to_seconds(reason.first - begin_)));
   }
   if (!doubts_.empty()) append(&why, doubts_);
   return why.empty() ? "healthy" : "doubtful: " + why;

@@ -124,7 +124,7 @@ bool LiveSummary::conclude(const live::Session& session,
   imu_ = imu;
   imu_problem_ = imu_problem;
   odometry_sent_ = odometry_sent;
-  replay_.initialised_by = odometry.initialized()       ? "static"
+  replay_.initialised_by = odometry.initialized()       ? start_name(odometry.counters())
                            : session.imu_samples() == 0 ? "never: no sample of the IMU came"
                                                         : "never: it found no standstill";
   replay_.counters = odometry.counters();

@@ -16,6 +16,7 @@
 #include "rio/bag/recording.hpp"
 #include "rio/bag/recording_writer.hpp"
 #include "rio/bag/summary.hpp"
+#include "rio/bag/turned.hpp"
 #include "rio/io/dataset_stream.hpp"
 #include "rio/io/options_yaml.hpp"
 #include "rio/io/scan_folder.hpp"
@@ -97,7 +98,8 @@ void take_sensor_info(const fs::path& folder, io::Dataset* dataset) {
 }
 
 /// Mounting and notes of the data set; the sensor files win.
-void take_settings(const RecordingArguments& arguments, io::Dataset* dataset) {
+void take_settings(const std::string& path, const RecordingArguments& arguments,
+                   io::Dataset* dataset) {
   if (!arguments.dataset.empty()) {
     const bag::DatasetPreset& preset = bag::dataset_preset(arguments.dataset);
     const std::string begin = std::string("data set ") + preset.name + ": ";
@@ -107,6 +109,9 @@ void take_settings(const RecordingArguments& arguments, io::Dataset* dataset) {
     if (*preset.doubt != '\0') dataset->notes.push_back(begin + "not sure: " + preset.doubt);
   }
   if (!arguments.sensors.empty()) take_sensor_info(arguments.sensors, dataset);
+  if (io::is_scan_folder(path) && !dataset->radar_info.T_BS) {
+    dataset->notes.emplace_back("no mounting in the files: T_BS of --config or --sensors");
+  }
 }
 
 /// Whether it is a ROS recording; throws if it is not, but options for one are given.
@@ -114,14 +119,30 @@ bool is_bag(const std::string& path, const RecordingArguments& arguments) {
   if (!io::is_dataset_folder(path) && bag::is_recording(path)) return true;
   RecordingArguments allowed;
   allowed.sensors = arguments.sensors;
+  allowed.axes = arguments.axes;
+  allowed.approaching = arguments.approaching;
+  allowed.imu_axes = arguments.imu_axes;
+  allowed.gyro_unit = arguments.gyro_unit;
+  allowed.accel_unit = arguments.accel_unit;
   if (io::is_scan_folder(path)) allowed.dataset = arguments.dataset;
   if (arguments != allowed) {
     if (!io::is_dataset_folder(path)) (void)bag::open_messages(path);  // says what it is
     throw std::runtime_error(path +
-                             ": options of a bag are given, but it is none: topics, clocks, fields "
-                             "and units are those of its own files");
+                             ": options of a bag are given, but it is none: topics, clocks and "
+                             "fields are those of its own files");
   }
   return false;
+}
+
+std::unique_ptr<io::RecordingStream> open_folder(const std::string& path,
+                                                 const RecordingArguments& arguments,
+                                                 io::Truth truth) {
+  RecordingArguments own = arguments;
+  own.dataset.clear();  // its axes are those of its bags
+  own.sensors.clear();
+  std::unique_ptr<io::RecordingStream> folder = io::open_dataset(path, truth);
+  if (own == RecordingArguments{}) return folder;
+  return bag::turned(std::move(folder), request_of(own, false));
 }
 
 /// IMU and radars by their stamps, as they would be received.
@@ -188,17 +209,17 @@ double stamp_offset(const std::string& said, const char* option) {
 io::Dataset read_any(const std::string& path, const RecordingArguments& arguments, bool truth) {
   io::Dataset dataset = is_bag(path, arguments)
                             ? bag::read_recording(path, request_of(arguments, truth))
-                            : io::read_dataset(path);
-  take_settings(arguments, &dataset);
+                            : io::collect(open_folder(path, arguments, io::Truth::kAll).get());
+  take_settings(path, arguments, &dataset);
   return dataset;
 }
 
 OpenRecording open_any(const std::string& path, const RecordingArguments& arguments, bool truth) {
   OpenRecording out;
   out.samples = is_bag(path, arguments) ? bag::open_recording(path, request_of(arguments, truth))
-                                        : io::open_dataset(path);
+                                        : open_folder(path, arguments, io::Truth::kStart);
   out.sensors = out.samples->outline().sensors;
-  take_settings(arguments, &out.sensors);
+  take_settings(path, arguments, &out.sensors);
   return out;
 }
 

@@ -63,9 +63,6 @@ void add_recording_options(const Command& command, RecordingArguments* how, bool
                "one field, as doppler=rdot, snr=power*0.1, doppler=@12 (byte of a float), or\n"
                "doppler=rdot,velocity: the one that is there",
                kOneEach);
-  of_a_bag.add("--axes", &how->axes, "of the points: flu, ti, rdf or frd; wins over --points",
-               axes);
-  of_a_bag.add("--approaching", &how->approaching, "the Doppler is positive towards the radar");
   of_a_bag.add(
       "--imu-clock", &how->imu_clock,
       "stamps: header, receive, carried (headers moved onto the receive clock), auto (default)",
@@ -80,9 +77,13 @@ void add_recording_options(const Command& command, RecordingArguments* how, bool
                CLI::IsMember({"sequence", "earlier"}));
   of_a_bag.add("--imu-offset", &how->imu_offset, "added to the stamps, as \"3 ms\"");
   of_a_bag.add("--radar-offset", &how->radar_offset, "added to the stamps, as \"-0.12 s\"");
-  of_a_bag.add("--imu-axes", &how->imu_axes, "of the IMU, turned to flu: ti, rdf or frd", axes);
-  of_a_bag.add("--gyro-unit", &how->gyro_unit, "of the file, as deg/s");
-  of_a_bag.add("--accel-unit", &how->accel_unit,
+  const Command of_files = command.under("Of a bag or a folder");
+  of_files.add("--axes", &how->axes, "of the points: flu, ti, rdf or frd; wins over --points",
+               axes);
+  of_files.add("--approaching", &how->approaching, "the Doppler is positive towards the radar");
+  of_files.add("--imu-axes", &how->imu_axes, "of the IMU, turned to flu: ti, rdf or frd", axes);
+  of_files.add("--gyro-unit", &how->gyro_unit, "of the file, as deg/s");
+  of_files.add("--accel-unit", &how->accel_unit,
                "of the file, as g; -g if it reads -1 at rest on the axis that is up");
 }
 
@@ -229,8 +230,9 @@ void add_compare_command(CLI::App& app) {
 
 /// rio-lab has its own options and its own help.
 void add_experiment_command(CLI::App& app) {
-  const Command command(app, "experiment",
-                        "Answer a question with many simulated flights (starts rio-lab)");
+  const Command command(
+      app, "experiment",
+      "Answer a question with many simulated flights or recordings (starts rio-lab)");
   command->prefix_command();
   command->set_help_flag();
   command->callback([command] { experiment(command->remaining()); });

@@ -99,8 +99,8 @@ class Replay {
     if (odometry_ == nullptr) throw std::runtime_error(why);
     odometry_->on_scan([this] { record(); });
     summary_.health.add(outline_.imu_begin, odometry_->health());
-    summary_.initialised_by = start_ ? start_->source : "static";
-    if (view->any()) view->begin(run_start(arguments, recording, used, summary_.initialised_by));
+    const std::string source = start_ ? start_->source : "";
+    if (view->any()) view->begin(run_start(arguments, recording, used, source));
     if (start_) begin(*start_);
     outputs_.emplace(arguments, outline_.imu_begin);
     if (arguments.barometer) heights_.emplace(recording.samples.get());
@@ -242,6 +242,7 @@ class Replay {
     summary_.started = odometry_->initialized();
     summary_.scans_unprocessed = waiting_ + (stopped ? 0 : static_cast<int>(left));
     summary_.counters = odometry_->counters();
+    summary_.initialised_by = start_ ? start_->source : start_name(summary_.counters);
     summary_.height_offset = auxiliary<HeightOffset>(*odometry_);
     summary_.span = stopped.value_or(outline_.imu_end) - outline_.imu_begin;
     if (stopped) {
@@ -321,7 +322,7 @@ void replay(const ReplayArguments& arguments) {
   if (summary.health.lost()) {
     throw WrongResult(fmt::format(
         "the estimate is lost: {}; fastest {:.3g} m/s, farthest {:.3g} m; check units, axes, "
-        "mounting and the start",
+        "mounting, the start and pauses of a sensor",
         summary.health.lost_because(), summary.fastest, summary.farthest));
   }
   throw_damage(replayed.damage);

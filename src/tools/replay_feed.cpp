@@ -23,8 +23,10 @@ Start start_from_truth(const std::vector<NavState>& truth, Time begin, Time end,
   });
   if (row == truth.end()) {
     throw std::runtime_error(
-        "--init groundtruth: the dataset has no ground truth " +
-        std::string(truth.empty() ? "at all" : "within the time span of its IMU"));
+        "--init groundtruth: no ground truth is read" +
+        std::string(truth.empty()
+                        ? ": there is none, or several topics of which --truth chooses one"
+                        : " within the time span of the IMU"));
   }
   Start start{{*row, io::start_covariance(row->q_WB, options.start)}, "groundtruth"};
   start.state.gyro_bias.setZero();
@@ -131,7 +133,9 @@ HeightFeed::HeightFeed(io::RecordingStream* stream) {
   for (io::BaroSample sample; stream->next(&sample);) samples.push_back(sample);
   heights_ = io::barometric_heights(samples);
   if (heights_.samples.empty()) {
-    throw std::runtime_error("--barometer: there is no baro0 or topic of a barometer");
+    throw std::runtime_error(
+        "--barometer: no baro0 and no topic of a barometer is read; --pressure chooses one of "
+        "several");
   }
 }
 

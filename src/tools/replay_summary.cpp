@@ -91,6 +91,10 @@ std::array<Irregular, 21> irregular(const ReplaySummary& s) {
 
 }  // namespace
 
+std::string start_name(const Counters& counters) {
+  return counters.moving_starts > 0 ? "in motion" : "static";
+}
+
 void ReplaySummary::add(const UpdateReport& report, const NavState& state) {
   int rows_used = 0;
   for (std::size_t i = 0; i < kModelCount; ++i) {

@@ -16,11 +16,15 @@
 
 namespace rio::tools {
 
+/// How the estimator has started by itself: "static" or "in motion" (start.max_wait).
+std::string start_name(const Counters& counters);
+
 struct ReplaySummary {
-  bool started = true;         ///< the estimator
-  std::string initialised_by;  ///< "groundtruth", "static" or "file"
-  int scans = 0;               ///< processed
-  int updates = 0;             ///< of these, with at least one row used
+  bool started = true;  ///< the estimator
+  /// "groundtruth", "file" or start_name(); of rio live also why it never started
+  std::string initialised_by;
+  int scans = 0;    ///< processed
+  int updates = 0;  ///< of these, with at least one row used
   int scans_before_start = 0;
   int scans_unprocessed = 0;  ///< after the last IMU sample
   std::vector<double> update_ms;

@@ -130,7 +130,7 @@ void ScanRows::add_landmarks(const Scan& scan) {
   const LinearizationPoint& x = scan.x;
   for (const Match& m : seen.matches.landmarks) {
     if (seen.rest &&
-        x.estimate.distance_travelled - x.estimate.landmarks[m.target].distance_born > kHere) {
+        x.estimate.distance_travelled - x.estimate.landmarks[m.target].distance_born > kSamePlace) {
       was_used_[m.target] = true;
       look_sums_[m.target] = x.estimate.landmarks[m.target].looks;  // not a look
       continue;

@@ -12,8 +12,6 @@
 namespace rio::calibrate {
 namespace {
 
-using test::kDegree;
-
 /// Range [m], azimuth, elevation [rad], Doppler [m/s].
 using Sigmas = Eigen::Vector4d;
 

@@ -26,7 +26,7 @@ TEST(NoiseOverRecordings, IsThatOfTheSimulatedSensors) {
     recordings.push_back({flight.imu, flight.scans, std::nullopt, {}});
     const CalibrationRun run = run_calibration(recordings.back(), options, std::nullopt);
     RecordingCalibration r;
-    r.begin = run.states.front().state.time;
+    r.begin = run.states.front();
     r.middle = half_way(run.states);
     runs.push_back(r);
   }
@@ -49,13 +49,34 @@ TEST(NoiseOverRecordings, IsThatOfTheSimulatedSensors) {
   EXPECT_TRUE(found.notes.empty()) << (found.notes.empty() ? "" : found.notes.front());
 }
 
+// The vibration of a flight is not the noise of the IMU at rest.
+TEST(NoiseOverRecordings, ARecordingThatBeginsInMotionTellsNothingOfTheImu) {
+  const sim::Flight flight = sim::simulate_flight(test::scenario_named("monte-carlo", 11));
+  Options options = experiment::options_for(flight, "default");
+  options.start.max_wait = 3.0;
+  Recording recording{flight.imu, flight.scans, std::nullopt, {}};
+  const Time begin = flight.imu.front().time + std::chrono::seconds(10);
+  std::erase_if(recording.imu, [begin](const ImuSample& s) { return s.time < begin; });
+  const CalibrationRun run = run_calibration(recording, options, std::nullopt);
+  EXPECT_TRUE(run.began_in_motion);
+  RecordingCalibration r;
+  r.begin = run.states.front();
+  r.began_in_motion = run.began_in_motion;
+  r.middle = half_way(run.states);
+  const SensorNoise found = noise_over_recordings({recording}, {r}, options);
+  EXPECT_EQ(found.gyro.verdict, Determination::kNotDetermined);
+  EXPECT_EQ(found.accel.verdict, Determination::kNotDetermined);
+  EXPECT_EQ(found.radar[3].verdict, Determination::kDetermined);
+  EXPECT_TRUE(found.notes.empty()) << (found.notes.empty() ? "" : found.notes.front());
+}
+
 TEST(NoiseOverRecordings, SaysWhichRecordingTellsNothing) {
   const sim::Flight flight = sim::simulate_flight(test::scenario_named("monte-carlo", 12));
   const Options options = experiment::options_for(flight, "default");
   Recording recording{flight.imu, flight.scans, std::nullopt, {}};
   recording.scans.resize(25);  // hardly off the ground
   RecordingCalibration run;
-  run.begin = flight.scans[2].time;
+  run.begin.state.time = flight.scans[2].time;
   run.middle.state.time = flight.scans[12].time;
   const SensorNoise found = noise_over_recordings({recording}, {run}, options);
   for (const NoiseEstimate& n : found.radar) {

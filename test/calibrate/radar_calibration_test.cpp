@@ -23,8 +23,6 @@
 namespace rio::calibrate {
 namespace {
 
-using test::kDegree;
-
 /// With every effect of the default room, and told 5 deg, 5 cm, 10 ms and 1 % wrong.
 sim::Flight fly_wrong(std::uint64_t seed, double length) {
   return sim::simulate_flight(

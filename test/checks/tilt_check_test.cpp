@@ -14,8 +14,6 @@
 namespace rio {
 namespace {
 
-using test::kDegree;
-
 /// A drive of `scans` scans of `points`; the estimate is the truth, changed by `wrong`.
 struct Drive {
   int points = 20;

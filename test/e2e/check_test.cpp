@@ -42,6 +42,27 @@ TEST_F(Check, WhatItProposesIsAnOptionFileThatPutsItRight) {
   rio("check " + folder.string() + " --config " + file("proposed.yaml"));
 }
 
+TEST_F(Check, AxesUnitsAndSignOfAFolderAreOptions) {
+  const std::string digits = "CONVFMT = \"%.17g\"; ";
+  const std::string points =
+      changed("points", "radar0/data.csv",
+              digits + "if ($5 != \"\") { x = $2; $2 = -$3; $3 = x; $5 = -$5 }");
+  const std::string imu = changed("imu", "imu0/data.csv",
+                                  digits +
+                                      "for (i = 2; i < 5; ++i) $i *= (i > 2 ? -1 : 1) * "
+                                      "57.295779513082321; for (i = 5; i < 8; ++i) $i *= (i > 5 ? "
+                                      "-1 : 1) / 9.80665");
+  const std::string quiet = "replay --quiet --no-check ";
+  rio(quiet + flight_ + " --out " + file("as_flown.tum"));
+  rio(quiet + points + " --axes ti --approaching --out " + file("points.tum"));
+  rio(quiet + imu + " --imu-axes frd --gyro-unit deg/s --accel-unit g --out " + file("imu.tum"));
+  EXPECT_EQ(dir_->read("points.tum"), dir_->read("as_flown.tum"));
+  EXPECT_LT(path_error(file("as_flown.tum"), file("imu.tum")), 1e-3);
+  rio("convert " + points + " " + file("right") + " --axes ti --approaching");
+  rio(quiet + file("right") + " --sensors " + flight_ + " --out " + file("right.tum"));
+  EXPECT_EQ(dir_->read("right.tum"), dir_->read("as_flown.tum"));
+}
+
 TEST_F(Check, JsonHoldsTheSame) {
   const std::string folder =
       changed("degrees", "imu0/data.csv", "for (i = 2; i < 5; ++i) $i = $i * 57.29578");

@@ -178,13 +178,21 @@ TEST_F(DataSets, AFolderOfColoRadar) {
   expect_same(io::collect(stream.get()), put, 1e-5);
   expect_runs(folder, "");
   expect_runs(folder, " --dataset coloradar");
-  fails(1, "replay " + folder + " --axes flu", {"it is none"});
+  expect_runs(folder, " --axes ti");  // those of its files
+  fails(1, "replay " + folder + " --radar /radar", {"it is none"});
   rio("convert " + folder + " " + file("asl") + " --sensors " + flight_);
   const io::Dataset asl = io::read_dataset(file("asl"));
   expect_same(asl, put, 1e-5);
   EXPECT_LT((asl.radar_info.T_BS->translation - put.radar_info.T_BS->translation).norm(), 1e-9);
   dir_->write("colo/single_chip/pointclouds/data/radar_pointcloud_3.bin", "damaged");
-  fails(1, "check " + folder, {"radar_pointcloud_3.bin: 7 bytes are no points of 20 bytes"});
+  const Parts cut = {"radar_pointcloud_3.bin: 7 bytes are no points of 20 bytes"};
+  fails(1, "replay " + folder + " --quiet --out " + file("cut.tum"), cut);
+  EXPECT_GT(lines_of(file("cut.tum")).size() + 2, lines_of(file("run.tum")).size());
+  for (std::size_t k = 0; k < put.scans.size(); ++k) {  // of most it is another format
+    dir_->write("colo/single_chip/pointclouds/data/radar_pointcloud_" + std::to_string(k) + ".bin",
+                std::string(28, '\0'));
+  }
+  EXPECT_ERROR(io::read_dataset(folder), "28 bytes are no points of 20 bytes");
 }
 
 TEST_F(DataSets, AFolderOfHercules) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The experiments: each answers one question with many simulated flights, as tables and charts.
+// The experiments: each answers one question with many simulated flights or
+// recordings, as tables and charts.
 #pragma once
 
 #include <string>

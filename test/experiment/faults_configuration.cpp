@@ -12,8 +12,6 @@ namespace rio::experiment {
 
 namespace {
 
-using sim::kDegree;
-
 Fault wrong_mounting(const std::string& by, Promised promised,
                      const std::function<void(Pose&)>& change) {
   return {.name = "mounting wrong by " + by,

@@ -19,8 +19,6 @@
 namespace rio::test {
 namespace {
 
-using sim::kDegree;
-
 /// The error of an integrated IMU, (E2) of the header, and what is claimed of it.
 struct Drift {
   double sigma_position = 0.01;  // [m]

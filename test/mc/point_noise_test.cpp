@@ -23,7 +23,6 @@ namespace {
 
 constexpr int kDraws = 40000;
 constexpr double kTolerance = 0.04;  // 4 sqrt(2 / kDraws) = 2.8 %, and 1 % of second order
-using test::kDegree;
 constexpr double kMinCosine = 0.25;  // of the detection's noise model, off the view of any array
 
 struct Direction {

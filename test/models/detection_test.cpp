@@ -13,8 +13,6 @@
 namespace rio {
 namespace {
 
-using test::kDegree;
-
 // Turns boresight by azimuth about z after elevation about -y.
 Vector3d polar(double range, double azimuth, double elevation) {
   return range * (Eigen::AngleAxisd(azimuth, Vector3d::UnitZ()) *

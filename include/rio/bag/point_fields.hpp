@@ -45,6 +45,8 @@ constexpr std::array<std::string_view, 4> names_of(Axes) {
 Vector3d to_flu(Axes axes, const Vector3d& v);
 /// The same as a matrix.
 Matrix3d flu_from(Axes axes);
+/// @throws std::runtime_error if there are none of this name
+Axes axes_named(const std::string& name);
 
 /// User settings for the points. All may be empty: then a preset with exactly the given fields is
 /// used, else every quantity that has exactly one known name.

@@ -33,8 +33,9 @@
 
 namespace rio {
 
-/// Every check_...() is called once per scan, in this order, and returns whether it changed the
-/// state estimate: the caller's trails are void then. No allocation after construction.
+/// Every check_...() is called at most once per scan, in this order, and returns whether it changed
+/// the state estimate: the caller's trails are void then. After a failed propagation or a lost tilt
+/// none is called, after a failed update none of those behind it. No allocation after construction.
 template <OdometryBackEnd BackEnd>
 class Checks {
  public:
@@ -126,8 +127,8 @@ class Checks {
 
   /// Most of the static set may be movers.
   bool consensus_is_doubtful() const {
-    constexpr double kMost = 0.4;  // share of the rows that agree by chance
-    return velocity_.chance() > kMost;
+    constexpr double kMaxChanceShare = 0.4;  // share of the rows that agree by chance
+    return velocity_.chance() > kMaxChanceShare;
   }
 
   /// @param seen observations of the scan: its static set

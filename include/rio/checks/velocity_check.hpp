@@ -23,7 +23,8 @@
 // of rows, in all neighbouring folds, moved to the most likely velocity nearby: triples of one
 // velocity scatter with the speed. One contradicts the state estimate if, for long enough,
 //   - most rows support it, over a sufficient span, and no other distant one is nearly as likely;
-//   - its L is kClearly times that of the state estimate's velocity, and beyond its three sigmas.
+//   - its L is kLikelihoodRatio times that of the state estimate's velocity, and it is beyond the
+//     three sigmas of that.
 // "Long enough" is short at the start and long if the state estimate was supported before: the IMU
 // would have measured a change of the velocity, but a person passing close by may fill the view. It
 // is short again while the body lies still (frontend/rest_detector.hpp): the IMU agrees then.
@@ -116,17 +117,17 @@ class VelocityCheck {
   double residual(const Row& row, const Vector3d& v) const {
     return row.fold.wrap(row.a_v - row.a.dot(v));
   }
-  int support(const Vector3d& v) const;  // (E3)
+  int count_support(const Vector3d& v) const;  // (E3)
   /// (E4); 0 if it cannot reach `needed`.
   double likelihood(const Vector3d& v, double needed = 0.0) const;
   double chance_share(const Vector3d& v, double sigma) const;  // (E5)
 
   /// The most likely velocity; false if a distant one is nearly as likely.
-  bool search(const Vector3d& believed, Time seed, Vector3d* best) const;
+  bool search(const Vector3d& predicted, Time seed, Vector3d* best) const;
 
   /// The most likely velocity near v: with the speed those of triples scatter, at 10 m/s by metres
   /// per second.
-  Vector3d climbed(Vector3d v) const;
+  Vector3d local_maximum(Vector3d v) const;
 
   /// Least squares over the rows that support v; none if a direction is poorly determined.
   std::optional<IndependentVelocity> refine(const Vector3d& v) const;
@@ -145,14 +146,14 @@ class VelocityCheck {
   static constexpr int kScanRows = 12;                              // of a dense scan, about
   static constexpr Time kPatience = std::chrono::milliseconds(250);
   static constexpr Time kLongPatience = std::chrono::milliseconds(4000);  // a person passes by
-  static constexpr double kProven = 1.0;        // time of support that proves a velocity [s]
-  static constexpr double kAgreement = 0.85;    // supporting share of the rows
-  static constexpr double kMajority = 0.6;      // same, with outliers
-  static constexpr double kTelling = 1.2;       // L per row that is not reached by chance
-  static constexpr double kClearly = 1.5;       // ratio of L
-  static constexpr double kNearly = 0.75;       // same
+  static constexpr double kProven = 1.0;               // time of support that proves a velocity [s]
+  static constexpr double kAgreement = 0.85;           // supporting share of the rows
+  static constexpr double kMajority = 0.6;             // same, with outliers
+  static constexpr double kMinLikelihoodPerRow = 1.2;  // L per row that is not reached by chance
+  static constexpr double kLikelihoodRatio = 1.5;      // ratio of L
+  static constexpr double kRivalRatio = 0.75;          // same
   static constexpr double kDrift = 0.2;         // least e of (E3): a degree, or a MEMS bias [m/s^2]
-  static constexpr double kBeside = 1.0;        // h of (E5): pace of people [m/s]
+  static constexpr double kChanceBand = 1.0;    // h of (E5): pace of people [m/s]
   static constexpr double kRange = 10.0;        // v_r where Dopplers do not fold [m/s]
   static constexpr double kFastest = 30.0;      // no small robot is faster [m/s]
   static constexpr double kWeak = 1.0;          // sigma in the worst direction [m/s]

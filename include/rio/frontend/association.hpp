@@ -95,7 +95,7 @@ class Association {
     return options_.matching == Matching::kMahalanobis && distance > same_echo_ ? core_ : gate_;
   }
   /// The covariance of a known point as used by the matching: zero unless kMahalanobis.
-  Matrix3d believed(const Matrix3d& covariance) const {
+  Matrix3d matching_covariance(const Matrix3d& covariance) const {
     if (options_.matching != Matching::kMahalanobis) return Matrix3d::Zero();
     return covariance;
   }

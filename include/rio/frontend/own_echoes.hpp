@@ -9,8 +9,8 @@
 // (E1) log-likelihood ratio of the two: (wrap(d - h)^2 / S - d^2 / sigma^2 + ln(S / sigma^2)) / 2,
 //      counted where h exceeds its own sigma, in scans whose points with a Doppler agree with the
 //      prediction: with a wrong velocity every static point would look like part of the vehicle
-// (E2) the evidence of a place is the sum over its sightings, of each at most kOnce; from kSure on
-//      the place is part of the vehicle
+// (E2) the evidence of a place is the sum over its sightings, of each at most kMaxOfSighting; from
+//      kEvidenceOfEcho on the place is part of the vehicle
 #pragma once
 
 #include <cstddef>
@@ -72,9 +72,9 @@ class OwnEchoes {
   static constexpr int kWitnesses = 2;    // points that confirm the predicted velocity
   static constexpr double kNear = 11.34;  // chi-squared of 3 degrees of freedom, 99 %
   /// Odds of five hundred million to one: an hour of scans makes some million tests.
-  static constexpr double kSure = 20.0;
-  static constexpr double kMost = 2.0 * kSure;
-  static constexpr double kOnce = kSure / 3.0;
+  static constexpr double kEvidenceOfEcho = 20.0;
+  static constexpr double kMaxEvidence = 2.0 * kEvidenceOfEcho;
+  static constexpr double kMaxOfSighting = kEvidenceOfEcho / 3.0;
   static constexpr Time kForget = std::chrono::seconds(30);
 
   DopplerFold reported_;

@@ -61,10 +61,10 @@ class RestDetector {
     Vector3d sum_B = Vector3d::Zero();  ///< [m/s]
     double variance = 0.0;              ///< of it by white noise, per axis [m^2/s^2]
   };
-  static Force beside_gravity(Time from, const ImuBuffer& imu, const NavState& x,
-                              const ImuOptions& options);
+  static Force force_beyond_gravity(Time from, const ImuBuffer& imu, const NavState& x,
+                                    const ImuOptions& options);
   /// (E5) over the last scans.
-  bool sets_off(const NavState& x, const BodyCovariance& P) const;
+  bool starts_to_move(const NavState& x, const BodyCovariance& P) const;
 
   /// Sums over the points of a scan.
   struct Points {
@@ -85,7 +85,7 @@ class RestDetector {
     Vector3d gyro_B = Vector3d::Zero();  ///< mean [rad/s]
     double loudest = 0.0;                ///< largest Moment::spread
   };
-  Span listen(Time from, Time to, const ImuBuffer& imu, const Vector3d& gyro_bias);
+  Span measure_vibration(Time from, Time to, const ImuBuffer& imu, const Vector3d& gyro_bias);
 
   /// Of the worst axis, in sigmas of the white noise.
   struct Moment {

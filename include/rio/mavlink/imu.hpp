@@ -12,8 +12,7 @@
 
 namespace rio::mavlink {
 
-/// Standard gravity, the unit g of MAVLink [m/s^2].
-inline constexpr double kStandardGravity = 9.80665;
+using rio::kStandardGravity;  ///< the unit g of MAVLink
 
 /// SI units and microseconds: the preferred message to request (MAV_CMD_SET_MESSAGE_INTERVAL).
 /// @return nothing if accelerometer or gyro were not updated (fields_updated), or not finite

@@ -8,7 +8,7 @@
 // (E3) u^ = u - Sigma_u v_S r / (R + P_h)       expected true direction given the innovation r
 // (E4) J uses u^
 // (E5) u in (E1) is multiplied by 1 + tr Sigma_u / 2: E u = (1 - tr Sigma_u / 2) u_true
-// (E6) R at u^: in (E2) v_S - (u^T v_S) (u^ - u) for v_S
+// (E6) R at u^: (E2) with v_S - (u^T v_S) (u^ - u) in the place of v_S
 // (E5) and (E6), of second order in the direction's error, come with (E3).
 // (E7) J in mounting and scale error is that at the steady motion
 //      (propagate/steady_motion.hpp): at v_S + dv and w + dw

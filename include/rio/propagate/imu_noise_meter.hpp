@@ -17,10 +17,11 @@
 //      over, and lower octaves count when they have seen enough. The next values of e contain the
 //      samples from before: the k-th has the gain of its newest 2 k - 1/2 samples, (E4) with the
 //      last taps of the filter only.
-// Limits: less than some 100 times the amplitude of before is no onset, but learned as the mean
-// follows; a tone that aliases below the lowest octave cannot be distinguished from motion; if a
-// driver has interpolated 30 % of the samples, half the density of white noise is seen; the three
-// axes share one density, as in the process noise.
+// Limits:
+// - less than some 100 times the amplitude of before is no onset, but learned as the mean follows
+// - a tone that aliases below the lowest octave cannot be distinguished from motion
+// - if a driver has interpolated 30 % of the samples, half the density of white noise is seen
+// - the three axes share one density, as in the process noise
 #pragma once
 
 #include <array>
@@ -57,7 +58,7 @@ class ImuNoiseMeter {
   static constexpr double kEnough = 8.0;      // values of e: the variance is known to a half
   static constexpr double kRecent = 0.25;     // weight of a value in the recent mean (E7)
   static constexpr double kOnset = 100.0;     // ratio; the mean follows: 100 times the amplitude
-  static constexpr double kUnnoticed = 1.0;   // steps before an onset is noticed, about
+  static constexpr double kOnsetDelay = 1.0;  // steps before an onset is noticed, about
 
   enum Sensor : std::uint8_t { kGyro, kAccel, kSensors };
 

@@ -48,11 +48,11 @@ class Restart {
   std::optional<Alignment> add(const ImuSample& sample, bool pause);
 
  private:
-  static constexpr double kDuration = 1.5;   // of the mean, as a static alignment [s]
-  static constexpr double kSpeed = 1.0;      // possibly gained meanwhile [m/s]
-  static constexpr double kAnyYaw = 1.8;     // sigma of an unknown heading [rad]
-  static constexpr double kUnnoticed = 2.0;  // delay until divergence is detected [s]
-  static constexpr double kNoGravity = 0.5;  // relative deviation of the mean force from g
+  static constexpr double kDuration = 1.5;        // of the mean, as a static alignment [s]
+  static constexpr double kSpeed = 1.0;           // possibly gained meanwhile [m/s]
+  static constexpr double kAnyYaw = 1.8;          // sigma of an unknown heading [rad]
+  static constexpr double kDetectionDelay = 2.0;  // delay until divergence is detected [s]
+  static constexpr double kNoGravity = 0.5;       // relative deviation of the mean force from g
 
   /// An estimate that the restart may begin from.
   struct Before {

@@ -7,14 +7,13 @@
 #pragma once
 
 #include <cstdint>
-#include <numbers>
 #include <vector>
 
 #include "rio/types.hpp"
 
 namespace rio::sim {
 
-inline constexpr double kDegree = std::numbers::pi / 180.0;
+using rio::kDegree;
 
 /// Mounted at the front and pitched down by an angle [rad].
 Pose default_radar_mount(double pitch = 45.0 * kDegree);

@@ -105,8 +105,8 @@ class Prior {
   Layout layout_;
   std::vector<NavState> states_;
   StaticVector<LandmarkState, kMaxLandmarks> landmarks_;
-  std::array<Vector3d, kMaxLandmarks> owed_;  ///< variances since its last turn [m^2]
-  std::size_t turn_ = 0;                      ///< the landmark whose turn is next
+  std::array<Vector3d, kMaxLandmarks> pending_walk_;  ///< variances since its last turn [m^2]
+  std::size_t turn_ = 0;                              ///< the landmark whose turn is next
   std::array<RadarState, kMaxRadars> radars_;
   AuxiliaryValues auxiliary_ = AuxiliaryValues::Zero();
   Eigen::VectorXd g_;

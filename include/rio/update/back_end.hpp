@@ -21,7 +21,7 @@ enum class Invalidates {
   kLandmarks,  ///< they agree with the state before; the caller drops the trails
 };
 
-/// Stands for the lambdas with captures that replace() is called with.
+/// Stands in the concept for the lambdas with captures that replace() is called with; never called.
 struct StateChange {
   std::size_t captured;
   void operator()(StateEstimate* estimate) const;

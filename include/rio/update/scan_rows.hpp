@@ -55,7 +55,8 @@ class ScanRows {
   const LandmarkState::Looks& looks(std::size_t landmark) const { return look_sums_[landmark]; }
 
  private:
-  static constexpr double kHere = 0.5;  // travelled while still at one place, noise included [m]
+  static constexpr double kSamePlace =
+      0.5;  // travelled while still at one place, noise included [m]
 
   /// A scan with what its rows are made from.
   struct Scan {
@@ -83,8 +84,8 @@ class ScanRows {
 
   void add_trails(const Scan& scan);
 
-  /// At rest only landmarks first measured at this place are used (kHere): the error of an earlier
-  /// one repeats from scan to scan while the position does not change. It is kept alive.
+  /// At rest only landmarks first measured at this place are used (kSamePlace): the error of an
+  /// earlier one repeats from scan to scan while the position does not change. It is kept alive.
   void add_landmarks(const Scan& scan);
 
   /// Measurements of other sensors.
