@@ -94,6 +94,8 @@ std::vector<Row> rows_of(const CalibrateReport& report) {
     Row& row = add(name, unit, scale, n, configured);
     if (n.verdict == Determination::kDetermined && !exceeds_configured(n, configured)) {
       row.advice = "configured value kept; at rest there is no vibration";
+    } else if (n.verdict == Determination::kNotDetermined) {
+      row.advice = "configured value kept; no rest, or too short a one";
     }
   };
   const calibrate::SensorNoise& noise = report.noise;
