@@ -275,10 +275,16 @@ std::vector<NavState> read_truth(const fs::path& path, bool positions, const std
                  positions ? fmt::format(", nor {} or {}", kPointType, kFixType) : "");
   }
   const std::string& name = found[0]->role.name;
-  if (found.size() > 1) {
+  const auto is_the_same = [&found](const Source* other) {  // as the poses and odometry of rio
+    return std::ranges::equal(
+        found[0]->truth, other->truth,
+        [](const NavState& a, const NavState& b) { return a.time == b.time && a.p_WB == b.p_WB; });
+  };
+  const auto other = std::ranges::find_if_not(found, is_the_same);
+  if (other != found.end()) {
     sources.fail("several topics with {}, {} and {}; choose with --truth-topic, or --topic",
                  found[0]->role.type == kPointType ? "positions" : "poses", name,
-                 found[1]->role.name);
+                 (*other)->role.name);
   }
   std::vector<NavState> states;
   for (const NavState& state : found[0]->truth) {

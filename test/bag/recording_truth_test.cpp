@@ -88,6 +88,9 @@ TEST_F(RecordingTruth, WithoutAFlightItIsReadAlone) {
   std::vector<Written> messages = with_others();
   std::erase_if(messages, [](const Written& m) { return m.topic != "/truth"; });
   EXPECT_EQ(truth_of(messages).at(7).time, kBegin + Time(70'000'000));
+  std::vector<Written> twice = messages;  // the same poses on two topics
+  for (const Written& m : messages) twice.emplace_back(m).topic = "/again";
+  EXPECT_EQ(truth_of(twice).size(), truth_of(messages).size());
   messages.push_back(messages[0]);
   messages.back().topic = "/other";
   EXPECT_ERROR(

@@ -95,9 +95,7 @@ TEST(ImuCauses, AxesOfTheImuAreNoMounting) {
   });
   io::Dataset dataset = flight();
   rdf(&dataset);
-  // a folder has no option for it: the mounting with its lever arm (0.1, 0, -0.05) is turned
-  expect_change(dataset, "axes and Doppler sign", "T_BS: {translation: [0.0000, 0.0500, 0.1000]",
-                Source::kFolder);
+  expect_change(dataset, "axes and Doppler sign", "--imu-axes rdf", Source::kFolder);
   dataset.radar_info.is_from_tree = true;
   expect_change(dataset, "axes and Doppler sign", "radar: {T_BS");
 }

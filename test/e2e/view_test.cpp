@@ -191,6 +191,7 @@ TEST_F(Tool, TheMessagesAreReadByOthers) {
   rio("replay " + flight_ + " --no-check --preset doppler-only --out " + other);
   rio("replay " + flight_ + " --no-check --out " + file("run.tum") + " --also " + other +
       " --mcap " + mcap);
+  EXPECT_NEAR(path_error(flight_, mcap), path_error(flight_, file("run.tum")), 1e-5);
   if (!has_node("@mcap/core") || !has_node("@foxglove/rosmsg2-serialization")) {
     GTEST_SKIP() << "skipped: needs @mcap/core, @foxglove/rosmsg, @foxglove/rosmsg2-serialization";
   }
