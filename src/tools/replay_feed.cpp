@@ -134,8 +134,7 @@ HeightFeed::HeightFeed(io::RecordingStream* stream) {
   heights_ = io::barometric_heights(samples);
   if (heights_.samples.empty()) {
     throw std::runtime_error(
-        "--barometer: no baro0 and no topic of a barometer is read; --pressure chooses one of "
-        "several");
+        "--barometer: there is no baro0, and no topic of a barometer is read (--pressure chooses)");
   }
 }
 
