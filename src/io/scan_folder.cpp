@@ -150,11 +150,9 @@ class ScanFolder final : public RecordingStream {
     std::ifstream stream(file, std::ios::binary);
     if (!stream) throw std::runtime_error(file.string() + ": cannot be opened");
     const std::string bytes((std::istreambuf_iterator<char>(stream)), {});
-    if (bytes.size() % layout_.bytes != 0) {
-      if (cut_++ == 0) {
-        outline_.sensors.damage = fmt::format("{}: {} bytes are no points of {} bytes",
-                                              file.string(), bytes.size(), layout_.bytes);
-      }
+    if (bytes.size() % layout_.bytes != 0 && cut_++ == 0) {
+      outline_.sensors.damage = fmt::format("{}: {} bytes are no points of {} bytes", file.string(),
+                                            bytes.size(), layout_.bytes);
     }
     scan->detections.clear();
     for (std::size_t at = 0; at + layout_.bytes <= bytes.size(); at += layout_.bytes) {

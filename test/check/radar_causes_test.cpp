@@ -154,6 +154,10 @@ TEST(RadarCauses, PointsInOtherKnownAxesNeedNoMounting) {
   expect_change(dataset, "axes and Doppler sign", "]}} with --axes flu");
   dataset.radar_info.axes = "";
   expect_change(dataset, "axes and Doppler sign", "T_BS");
+  const io::Dataset folder = with_detections([](RadarDetection& d) {  // its axes are known
+    d.point_S = Vector3d(-d.point_S.y(), d.point_S.x(), d.point_S.z());
+  });
+  EXPECT_EQ(said(folder, "axes and Doppler sign", Source::kFolder).change, "--axes ti");
 }
 
 TEST(RadarCauses, OtherAxesAndTheOtherSignAreNoMirror) {

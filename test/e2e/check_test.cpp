@@ -151,7 +151,8 @@ TEST_F(Check, AReplayThatCannotStartPrintsWhatCheckFinds) {
   fs::remove_all(fs::path(moving) / "state_groundtruth_estimate0");
   expect_parts(try_rio("check " + moving).output, {"\n" + option + "\n"});
   std::ofstream(file("wait.yaml")) << option << "\n";
-  rio("replay " + moving + " --config " + file("wait.yaml"), {"data: nothing found"});
+  rio("replay " + moving + " --config " + file("wait.yaml"),
+      {"start: in motion\n", "data: nothing found"});
 }
 
 TEST_F(Check, NothingToCheck) {

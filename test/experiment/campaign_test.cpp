@@ -176,9 +176,7 @@ TEST(Trial, IsIncompleteAfterASilenceOfTheFilterAndNotOfTheRadar) {
 /// A body that flies 1 m forward a scan and turns left by 90 deg after each, estimated off by a
 /// constant rotation of 2 deg about the origin and, from the third scan on, by 0.3 m and 3 deg.
 TEST(Score, PoseErrorsAreThoseOfEvo) {
-  const auto about_z = [](double degrees) {
-    return quaternion_exp({0.0, 0.0, degrees * rio::kDegree});
-  };
+  const auto about_z = [](double degrees) { return quaternion_exp({0.0, 0.0, degrees * kDegree}); };
   Trial trial;
   Step step;
   step.covariance = BodyCovariance::Identity();
@@ -192,12 +190,12 @@ TEST(Score, PoseErrorsAreThoseOfEvo) {
   }
   const Score s = score(trial);
   // off by 2 deg about the origin at (0, 0), (1, 0), (1, 1), (0, 1), and 0.3 m up at the last two
-  const double aside = 2.0 * std::sin(1.0 * rio::kDegree);
+  const double aside = 2.0 * std::sin(1.0 * kDegree);
   EXPECT_NEAR(s.ape, std::sqrt((4.0 * aside * aside + 2.0 * 0.09) / 4.0), 1e-12);
   EXPECT_NEAR(s.ape_angle, std::sqrt((2.0 * 4.0 + 2.0 * 25.0) / 4.0), 1e-9);
   // of the three steps one is off, whatever the common rotation: in height, and once in angle; the
   // third is also seen from a heading that is off by 3 deg
-  const double third = 2.0 * std::sin(1.5 * rio::kDegree);
+  const double third = 2.0 * std::sin(1.5 * kDegree);
   EXPECT_NEAR(s.rpe, std::sqrt((0.09 + third * third) / 3.0), 1e-12);
   EXPECT_NEAR(s.rpe_angle, 3.0 / std::sqrt(3.0), 1e-6);
   trial.steps.resize(1);

@@ -145,7 +145,7 @@ std::vector<std::string> row_of(const std::vector<RealRun>& runs, const std::str
       if (!s.started) continue;
       const double sigmas = std::abs(s.pitch) / s.pitch_sigma;
       started += 1.0;
-      pitches += s.pitch / rio::kDegree;
+      pitches += s.pitch / kDegree;
       heights += s.height_share();
       square += sigmas * sigmas;
       largest = std::max(largest, sigmas);

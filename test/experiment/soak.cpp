@@ -26,7 +26,7 @@ std::vector<std::string> cells(const SoakRow& row) {
           fmt::format("{:.2f}", row.nees_position),
           fmt::format("{:.3f}", row.velocity_error),
           fmt::format("{:.2f}", row.nees_velocity),
-          fmt::format("{:.3f}", row.tilt_error / rio::kDegree),
+          fmt::format("{:.3f}", row.tilt_error / kDegree),
           fmt::format("{:.2f}", row.nees_tilt),
           fmt::format("{:.2f}", row.calibration),
           fmt::format("{:.0e}", row.asymmetry),

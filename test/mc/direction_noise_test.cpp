@@ -14,8 +14,8 @@ namespace rio::experiment {
 namespace {
 
 constexpr int kFlights = 8;
-constexpr double kFine = 0.6 * rio::kDegree;
-constexpr double kCoarse = 8.0 * rio::kDegree;
+constexpr double kFine = 0.6 * kDegree;
+constexpr double kCoarse = 8.0 * kDegree;
 
 const std::vector<Variant> kDirections = {
     {"default", "default"}, {"naive", "default", [](Options& o) {
