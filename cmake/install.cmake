@@ -1,9 +1,9 @@
-# Installs rio::rio, rio::core, rio::ti, rio::mavlink and rio::sim so that find_package(rio) gives them; with the
-# programs also rio::files, where GoogleTest is installed also rio::testing. Components: library, dev, tools, python
+# Installs rio::rio, rio::core, rio::ti, rio::mavlink, rio::static_memory and rio::sim so that find_package(rio) gives
+# them; with the programs also rio::files, where GoogleTest is installed also rio::testing. Components: library, dev, tools, python
 # (cmake/package.cmake).
 include(CMakePackageConfigHelpers)
 
-set(installed rio_core rio_sim rio_ti rio_mavlink rio)
+set(installed rio_core rio_sim rio_static_memory rio_ti rio_mavlink rio)
 if(TARGET rio_files)
   list(APPEND installed rio_files)
 endif()

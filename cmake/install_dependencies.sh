@@ -15,7 +15,8 @@ case "${1:-tools}" in
   tidy) packages+=(clang-format-14 clang-tidy-14) ;;
   view) packages+=(chromium)
     command -v npm >/dev/null || packages+=(npm) ;;
-  package) packages+=("${python[@]}" "${ros2[@]}" libgtest-dev lintian dpkg-dev file) ;;
+  package) packages+=("${python[@]}" python3-pip python3-setuptools python3-wheel "${ros2[@]}" libgtest-dev lintian dpkg-dev
+    file) ;;
   docs) packages=(doxygen python3-sphinx python3-myst-parser) ;;
   arm64) foreign=arm64 packages+=(g++-aarch64-linux-gnu) ;;
   armhf) foreign=armhf packages+=(g++-arm-linux-gnueabihf) ;;

@@ -15,10 +15,10 @@ fi
 cmake -G Ninja -S . -B "$build" "${options[@]}" -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS="$flags -DNDEBUG" \
   -DRIO_SMOOTHER=OFF -DRIO_BUILD_TOOLS=OFF -DRIO_BUILD_LAB=OFF -DRIO_BUILD_TESTS=OFF -DRIO_BUILD_EXAMPLES=OFF \
   -DRIO_INSTALL=OFF >/dev/null
-cmake --build "$build" -j "$(nproc)" --target rio
+cmake --build "$build" -j "$(nproc)" --target rio rio_static_memory
 # shellcheck disable=SC2086
 "$compiler" -std=c++17 $flags -isystem /usr/include/eigen3 -Iinclude test/small/flight.cpp "$build"/src/librio.a \
-  "$build"/src/librio_core.a -pthread -Wl,--gc-sections -o "$build/flight"
+  "$build"/src/librio_core.a "$build"/src/librio_static_memory.a -pthread -Wl,--gc-sections -o "$build/flight"
 nm -S -C -t d "$build/flight" | awk '
   $3 ~ /[tTwWvV]/ && /rio::|Eigen::/ { code += $2 }
   $3 ~ /[rR]/ && /rio::/ { tables += $2 }

@@ -31,4 +31,7 @@ class CMakeBuild(build_ext):
         self.copy_file(compiled, self.get_ext_fullpath(ext.name))
 
 
-setup(version=version(), ext_modules=[Extension("rio._rio", [])], cmdclass={"build_ext": CMakeBuild})
+BUILD = ROOT / "build/pip"  # nothing is left beside the sources
+BUILD.mkdir(parents=True, exist_ok=True)
+setup(version=version(), ext_modules=[Extension("rio._rio", [])], cmdclass={"build_ext": CMakeBuild},
+      options={"build": {"build_base": str(BUILD)}, "egg_info": {"egg_base": str(BUILD)}})

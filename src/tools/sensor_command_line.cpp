@@ -63,8 +63,8 @@ void add_estimator_options(const Command& command, EstimatorArguments* estimator
 void add_path_files(const Command& command, std::string* out, std::string* states) {
   command.add("--out", out, "trajectory to write, TUM format");
   command.add("--states", states,
-              "states with covariance to write, csv; P is that of position, attitude (body axes), "
-              "velocity");
+              "states with covariance to write, csv; P is that of position [m], attitude about "
+              "body axes [rad], velocity [m/s]");
 }
 
 void add_view_options(const Command& command, ViewArguments* view) {

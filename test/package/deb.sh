@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The Debian packages: builds them, asks lintian, unpacks them into a root of their own; there the program and the
-# Python package replay the sample flight to the same bits, and a foreign project builds and runs.
+# Python package replay the sample flight to the same bits, and a foreign project builds and runs. The package that
+# `pip install ./src/python` makes is tried likewise.
 #   test/package/deb.sh [BUILD [ARCH]]     an existing build folder is used again
 # For another architecture they are cross-built, and the program runs under qemu-user.
 set -euo pipefail
@@ -51,7 +52,9 @@ export LD_LIBRARY_PATH=$libraries
 "$root/usr/bin/rio" --version
 "$root/usr/bin/rio-ros2" --print-params | head -3
 "$root/usr/bin/rio" replay "$source/data/sample_flight" --out flight.tum
-PYTHONPATH=$root/usr/lib/python3/dist-packages /usr/bin/python3 - "$source/data/sample_flight" flight.tum <<'CHECK'
+# The Python package in that folder replays to the bytes of the program.
+python_replays_alike() {
+  PYTHONPATH=$1 /usr/bin/python3 - "$source/data/sample_flight" flight.tum <<'CHECK'
 import pathlib, sys
 import rio
 rio.replay(sys.argv[1]).write_tum("python.tum")
@@ -59,6 +62,11 @@ same = pathlib.Path("python.tum").read_bytes() == pathlib.Path(sys.argv[2]).read
 print("Python package:", rio.__file__, "the same bytes" if same else "OTHER BYTES")
 sys.exit(not same)
 CHECK
+}
+python_replays_alike "$root/usr/lib/python3/dist-packages"
+rm -rf by_pip
+/usr/bin/python3 -m pip install --quiet --target by_pip --no-index --no-deps --no-build-isolation "$source/src/python"
+python_replays_alike by_pip
 consumer
 for program in "${programs[@]}" new_model_test; do "consumer/$program" >/dev/null; done
 echo "Packages: ok"

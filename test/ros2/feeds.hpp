@@ -2,6 +2,7 @@
 // The files of a dataset folder as messages of ROS 2.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <functional>
@@ -14,6 +15,8 @@
 
 namespace {
 
+using radar_msgs::msg::dds_::RadarReturn_;
+using radar_msgs::msg::dds_::RadarScan_;
 using sensor_msgs::msg::dds_::FluidPressure_;
 using sensor_msgs::msg::dds_::Imu_;
 using sensor_msgs::msg::dds_::PointCloud2_;
@@ -90,6 +93,24 @@ PointCloud2_ cloud_of(const std::vector<Row>& rows, std::size_t from, std::size_
   message.row_step(static_cast<std::uint32_t>(data.size()));
   message.data(data);
   message.is_dense(true);
+  return message;
+}
+
+/// The same points in the message for radars, whose numbers are floats.
+RadarScan_ radar_scan_of(const std::vector<Row>& rows, std::size_t from, std::size_t to) {
+  RadarScan_ message;
+  stamp(&message, rows[from].time, "radar");
+  for (std::size_t i = from; i < to; ++i) {
+    const std::vector<double>& v = rows[i].values;
+    if (v.empty()) continue;
+    RadarReturn_ point;
+    point.range(static_cast<float>(std::hypot(v[0], v[1], v[2])));
+    point.azimuth(static_cast<float>(std::atan2(v[1], v[0])));
+    point.elevation(static_cast<float>(std::atan2(v[2], std::hypot(v[0], v[1]))));
+    point.doppler_velocity(static_cast<float>(v[3]));
+    point.amplitude(static_cast<float>(v[4]));
+    message.returns().push_back(point);
+  }
   return message;
 }
 

@@ -2,8 +2,10 @@
 // The other side of rio-ros2, with the DDS of another vendor, which is ROS 2's own default: plays a
 // dataset folder as sensor topics and prints what comes back, one line per message.
 //
-//   referee play FLIGHT SPEED     publishes the sensors of the folder, prints /rio/pose and more; a
-//                                 pressure of zero stands for a message on /rio/reset
+//   referee play FLIGHT SPEED [RadarScan]
+//                                 publishes the sensors of the folder, prints /rio/pose and more; a
+//                                 pressure of zero stands for a message on /rio/reset. Points are
+//                                 PointCloud2, or radar_msgs/RadarScan
 //   referee listen SECONDS        prints, until SIGTERM or that long
 #include <algorithm>
 #include <chrono>
@@ -173,9 +175,14 @@ class Listener {
   dds::DataReader* diagnostics_;
 };
 
-Feed radar_feed(const std::string& folder, dds::DataWriter* writer) {
-  return {rows_of(folder + "/data.csv"), [writer](const auto& rows, auto from, auto to) {
-            PointCloud2_ message = cloud_of(rows, from, to);
+/// The points of the folder, by `message_of` of some rows.
+template <class PubSubType, class MessageOf>
+Feed radar_feed(const std::string& folder, const std::string& topic, Node* node,
+                MessageOf message_of, std::vector<dds::DataWriter*>* writers) {
+  dds::DataWriter* writer = node->writer<PubSubType>(topic.c_str());
+  writers->push_back(writer);
+  return {rows_of(folder + "/data.csv"), [=](const auto& rows, auto from, auto to) {
+            auto message = message_of(rows, from, to);
             writer->write(&message);
           }};
 }
@@ -194,7 +201,7 @@ Feed pressure_feed(const std::string& folder, Node* node) {
           }};
 }
 
-int play(const std::string& flight, double speed) {
+int play(const std::string& flight, double speed, bool radar_scans) {
   const std::vector<Row> imu = rows_of(flight + "/imu0/data.csv");
   Node node;
   dds::DataWriter* imu_writer = node.writer<sensor_msgs::msg::dds_::Imu_PubSubType>("rt/imu/data");
@@ -203,8 +210,10 @@ int play(const std::string& flight, double speed) {
   for (const char* radar : {"/radar0", "/radar1"}) {
     if (!std::filesystem::exists(flight + radar)) continue;
     const std::string topic = std::string("rt") + radar + "/points";
-    writers.push_back(node.writer<sensor_msgs::msg::dds_::PointCloud2_PubSubType>(topic.c_str()));
-    feeds.push_back(radar_feed(flight + radar, writers.back()));
+    feeds.push_back(radar_scans ? radar_feed<radar_msgs::msg::dds_::RadarScan_PubSubType>(
+                                      flight + radar, topic, &node, radar_scan_of, &writers)
+                                : radar_feed<sensor_msgs::msg::dds_::PointCloud2_PubSubType>(
+                                      flight + radar, topic, &node, cloud_of, &writers));
   }
   if (std::filesystem::exists(flight + "/baro0")) {
     feeds.push_back(pressure_feed(flight + "/baro0", &node));
@@ -254,7 +263,10 @@ int main(int argc, char** argv) {
   try {
     const std::string what = argc > 1 ? argv[1] : "";
     int status = 2;
-    if (what == "play" && argc == 4) status = play(argv[2], std::stod(argv[3]));
+    if (what == "play" && (argc == 4 || argc == 5)) {
+      const std::string type = argc == 5 ? argv[4] : "PointCloud2";
+      status = play(argv[2], std::stod(argv[3]), type == "RadarScan");
+    }
     if (what == "listen" && argc == 3) status = listen(std::stod(argv[2]));
     std::fflush(stdout);
     std::_Exit(status);  // without the threads of DDS
