@@ -6,7 +6,7 @@ namespace rio {
 namespace {
 
 constexpr double kRotors = 0.05;      // m of (E2): rotors are faster, bodies slower [s]
-constexpr double kVehicles = 2.0;     // T of (E3): speeding up, braking, a turn [s]
+constexpr double kVehicles = 1.0;     // T of (E3): speeding up, braking [s]
 constexpr double kKnown = 0.5;        // sigma of a velocity that scans have measured [m/s]
 constexpr double kAccelBound = 25.0;  // square of five sigmas: with three, an aliased tone passes
 constexpr double kRateBound = 16.0;   // square of four sigmas: a tone of the rotors passes less
@@ -29,14 +29,18 @@ void SteadyMotionFilter::add(const Vector3d& change_W, double seconds) {
 void SteadyMotionFilter::advance(const NavState& before, const NavState& after,
                                  const Vector3d& rate_B, double seconds, double accel_density,
                                  double rate_variance, double velocity_variance) {
-  motion_.accel_W = beyond_noise(twice_W_, kAccelBound * 3.0 * accel_density / (4.0 * kRotors));
   const double pull = seconds / (kVehicles + seconds);
-  Vector3d v_W = before.q_WB * motion_.v_B;
+  const Vector3d known_B = before.q_WB.conjugate() * before.v_WB;
   const bool unknown = velocity_variance > kKnown * kKnown;
-  if (unknown || unknown_) v_W = before.v_WB;
+  Vector3d v_B = unknown || unknown_ ? known_B : motion_.v_B;
   unknown_ = unknown;
-  v_W += seconds * motion_.accel_W + pull * (before.v_WB - v_W);  // (E3)
-  motion_.v_B = after.q_WB.conjugate() * v_W;
+  v_B += pull * (known_B - v_B);
+  const Vector3d v_W = before.q_WB * v_B;
+  Vector3d turning_W = Vector3d::Zero();
+  if (seconds > 0.0) turning_W = (after.q_WB * v_B - v_W) / seconds;
+  const double noise = kAccelBound * 3.0 * accel_density / (4.0 * kRotors);
+  motion_.accel_W = turning_W + beyond_noise(twice_W_ - turning_W, noise);
+  motion_.v_B = after.q_WB.conjugate() * (v_W + seconds * motion_.accel_W);  // (E3)
   motion_.rate_B +=
       beyond_noise(rate_B - motion_.rate_B, kRateBound * 3.0 * rate_variance);  // (E4)
   motion_.rate_B += pull * (rate_B - motion_.rate_B);

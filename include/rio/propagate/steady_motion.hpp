@@ -8,14 +8,15 @@
 // and the same noise in its residual draws the estimate (data/theory.md, 6). A linearisation point
 // without this noise has neither fault: it follows the acceleration that white noise cannot
 // explain, and otherwise v^ slowly:
-// (E2) a: change of v^ per time after two low-passes of time constant m, times (1 - n / |a|^2)+,
-//      n = 25 x 3 q / (4 m): five sigmas of what white noise leaves (James-Stein shrinkage)
+// (E2) a = c + (1 - n / |d|^2)+ d, d = a^ - c, c = w x v: of a velocity that turns with the body,
+//      as that of a vehicle; a^ the change of v^ per time after two low-passes of time constant m,
+//      n = 25 x 3 q / (4 m) five sigmas of what white noise leaves (James-Stein shrinkage)
 // (E3) v <- v + a dt + (v^ - v) dt / (T + dt), v^ as corrected by the scan before; v <- v^ while
 //      the velocity is not known (sigma above 0.5 m/s) and when it has become so
 // (E4) w <- w + (1 - n / |d|^2)+ d, d = w^ - w, n = 16 x 3 sigma_w^2: four sigmas of a sample; then
 //      as (E3)
 // Frames: v in B, a in W. With a good IMU, v is v^ after the delay of (E2); with an accelerometer
-// that vibrates, the mean of T.
+// that vibrates, the mean of T in body axes.
 // Reference: Fuller, Measurement Error Models, 1987, 1.4 (instrumental variables).
 #pragma once
 
