@@ -10,7 +10,8 @@
 // A state that cannot be guessed well enough to linearise, and which is one of several:
 //
 //   rio::AuxiliaryState anchor = rio::auxiliary_state<Anchor>(index);  // Anchor::kIndexed
-//   anchor.delayed = true;  // its measurements are held back until they determine it
+//   anchor.delayed = true;  // its measurements are held back until they determine it; those that
+//                           // depend on two such states are left out until one of them is known
 //   options.auxiliary.declare(anchor);
 //   odometry->add_measurement({time, Range{}, {range, sigma}, 0, index});
 //
@@ -31,13 +32,16 @@ struct AuxiliaryEstimate {
   Eigen::Matrix<double, Block::kDof, Block::kDof> covariance;
 };
 
-/// At the last scan; empty before the start, and if the state was not declared, or is delayed and
-/// not known yet.
+/// At the last scan; empty before the start, and if the state was not declared with this size, or
+/// is delayed and not known yet.
 /// @param index among those of the kind, if it is indexed
 template <class Block>
 std::optional<AuxiliaryEstimate<Block>> auxiliary(const Odometry& odometry, int index = 0) {
   AuxiliaryEstimate<Block> out;
-  if (!odometry.auxiliary(Block::kName, out.value.data(), out.covariance.data(), index)) return {};
+  if (!odometry.auxiliary(Block::kName, out.value.data(), out.covariance.data(), index,
+                          Block::kDof)) {
+    return {};
+  }
   return out;
 }
 

@@ -138,7 +138,9 @@ class RIO_API Odometry {
   /// false before the start, for none of that name and index, and for a delayed one that is not
   /// known yet. `value` has room for its n elements, `covariance` for n x n. Typed access:
   /// rio::auxiliary in rio/aiding.hpp.
-  bool auxiliary(const char* name, double* value, double* covariance, int index = 0) const noexcept;
+  /// @param size if it is not 0, only a state of so many elements
+  bool auxiliary(const char* name, double* value, double* covariance, int index = 0,
+                 int size = 0) const noexcept;
   /// The last update, stage by stage.
   const UpdateReport& report() const noexcept;
   /// The detections of the last scan with label, world position and residual, in the order of
@@ -151,8 +153,8 @@ class RIO_API Odometry {
 
   /// From now on `call` is called for every scan that was processed, within the call that did it,
   /// when at_scan(), covariance(), report() and points() are of that scan: with several radars one
-  /// call may process several. It must not throw, nor add anything to this estimator or reset it.
-  /// It stays over reset(); an empty function ends it.
+  /// call may process several. It must not throw, nor add anything to this estimator or reset it;
+  /// it may set another. It stays over reset(); an empty function ends it.
   void on_scan(std::function<void()> call) noexcept;
 
   struct Impl;  ///< private implementation

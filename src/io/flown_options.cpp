@@ -33,7 +33,7 @@ std::vector<std::string> tell_sensors_and_values(const Dataset& sensors, const O
 
 Options flown_options(const EstimatorArguments& arguments, const Dataset& sensors, Options base,
                       std::vector<std::string>* notes) {
-  std::string name = arguments.preset;
+  std::string name = preset_in_settings(arguments.set).value_or(arguments.preset);
   if (name.empty()) name = preset_in_texts(arguments.texts, kTexts).value_or("");
   if (name.empty() && !arguments.config.empty()) {
     name = preset_in_texts({read_text(arguments.config)}, arguments.config).value_or("");

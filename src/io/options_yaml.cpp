@@ -160,6 +160,14 @@ std::optional<std::string> preset_in_texts(const std::vector<std::string>& yaml,
   return last;
 }
 
+std::optional<std::string> preset_in_settings(const std::vector<std::string>& settings) {
+  std::optional<std::string> last;
+  for (const std::string& setting : settings) {
+    if (const auto found = preset_of(parse_setting(setting))) last = found;
+  }
+  return last;
+}
+
 std::string preset_of(const Options& options) {
   std::size_t shown = 0;  // by fields_text(); the others belong to the preset alone
   visit_fields(options, [&shown](const FieldInfo&, const auto&) { ++shown; });

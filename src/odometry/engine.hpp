@@ -139,9 +139,10 @@ class Engine final : public Odometry::Impl {
     return Status::kWaiting;
   }
 
-  bool auxiliary(const char* name, int index, double* value, double* P) const override {
+  bool auxiliary(const char* name, int index, int asked, double* value, double* P) const override {
     int size = 0;
     const int first = options_.auxiliary.find(name, index, &size);
+    if (asked != 0 && asked != size) return false;
     if (!initialized || first < 0 || pipeline_.auxiliary_is_unknown(first)) return false;
     const StateEstimate& state_estimate = pipeline_.backend().state_estimate();
     const int at = state_estimate.layout().auxiliary() + first;
@@ -287,8 +288,18 @@ class Engine final : public Odometry::Impl {
     counters.attitude_resets += pipeline_.report().attitude_reset ? 1 : 0;
     counters.position_reopened += pipeline_.report().position_reopened > 0.0 ? 1 : 0;
     publish();
-    if (on_scan) on_scan();
+    call_on_scan();
     return status;
+  }
+
+  /// Which may replace itself.
+  void call_on_scan() {
+    if (!on_scan) return;
+    std::function<void()> call;
+    call.swap(on_scan);
+    on_scan_set = false;
+    call();
+    if (!on_scan_set) on_scan.swap(call);
   }
 
   /// Re-initialises the tilt from the specific force where it is lost (propagate/restart.hpp).

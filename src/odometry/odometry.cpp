@@ -34,9 +34,9 @@ Status Odometry::add_scan(const RadarScan& scan, std::size_t radar) noexcept {
 Status Odometry::add_measurement(const AidingMeasurement& measurement) noexcept {
   return impl_->add_measurement(measurement);
 }
-bool Odometry::auxiliary(const char* name, double* value, double* covariance,
-                         int index) const noexcept {
-  return impl_->auxiliary(name, index, value, covariance);
+bool Odometry::auxiliary(const char* name, double* value, double* covariance, int index,
+                         int size) const noexcept {
+  return impl_->auxiliary(name, index, size, value, covariance);
 }
 Status Odometry::reset(const NavState& prior, const BodyCovariance& P0) noexcept {
   return impl_->reset(prior, P0);
@@ -83,6 +83,7 @@ const Counters& Odometry::counters() const noexcept {
 }
 void Odometry::on_scan(std::function<void()> call) noexcept {
   impl_->on_scan = std::move(call);
+  impl_->on_scan_set = true;
 }
 
 }  // namespace rio

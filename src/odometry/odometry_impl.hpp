@@ -16,7 +16,8 @@ struct Odometry::Impl {
   virtual Status add_imu(const ImuSample& sample) = 0;
   virtual Status add_scan(const RadarScan& scan, std::size_t radar) = 0;
   virtual Status add_measurement(const AidingMeasurement& measurement) = 0;
-  virtual bool auxiliary(const char* name, int index, double* value, double* covariance) const = 0;
+  virtual bool auxiliary(const char* name, int index, int size, double* value,
+                         double* covariance) const = 0;
   virtual Status reset(const NavState& prior, const BodyCovariance& P0) = 0;
   virtual void reset() = 0;
   virtual const NavState& at_scan() const = 0;
@@ -32,6 +33,7 @@ struct Odometry::Impl {
   Counters counters;
   bool initialized = false;
   std::function<void()> on_scan;  ///< after a scan was processed; may be empty
+  bool on_scan_set = false;       ///< since it was called
 };
 
 std::unique_ptr<Odometry::Impl> make_ekf_engine(const Options& options);

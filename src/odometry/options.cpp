@@ -46,8 +46,9 @@ std::string coherence_problem(const Options& o) {
     if (!problem.empty()) return "radar " + std::to_string(r) + ": " + problem;
   }
   for (const AuxiliaryState& state : o.auxiliary) {
-    const bool good = state.sigma > 0.0 && std::isfinite(state.sigma) && state.walk >= 0.0 &&
-                      std::isfinite(state.walk);
+    constexpr double kLargest = 1e6;  // as of a start; its square is added to others
+    const bool good =
+        state.sigma > 0.0 && state.sigma <= kLargest && state.walk >= 0.0 && state.walk <= kLargest;
     if (!good) return std::string("auxiliary state ") + state.name + ": sigma or walk out of range";
     if (state.size < 1 || state.size > AuxiliaryState::kMaxSize) {
       return std::string("auxiliary state ") + state.name + ": size out of range";

@@ -46,8 +46,11 @@ double& column(RadarDetection& d, std::size_t i) {
 /// with a masked value are left out: it is not finite.
 py::array array_of(const py::object& points) {
   if (py::hasattr(points, "filled")) {
-    const bool has_names = !points.attr("dtype").attr("names").is_none();
-    return has_names ? points.attr("filled")(std::nan("")) : unmasked(points);
+    const py::object names = points.attr("dtype").attr("names");
+    if (names.is_none()) return unmasked(points);
+    py::list floats;  // whole numbers have no NaN
+    for (const py::handle& name : names) floats.append(py::make_tuple(name, "f8"));
+    return points.attr("astype")(floats).attr("filled")(std::nan(""));
   }
   if (py::hasattr(points, "to_records")) {
     return points.attr("to_records")(py::arg("index") = false);

@@ -169,7 +169,7 @@ eval::Trajectory common_truth(const CompareArguments& arguments) {
   return {};
 }
 
-/// Those of the truth, or of another run, at the times of the first.
+/// Those of the truth, or of a run, at the times of another.
 using PosesByTime = std::map<Time, eval::StampedPose>;
 PosesByTime poses_of(const std::vector<eval::PosePair>& pairs) {
   PosesByTime poses;
@@ -177,40 +177,50 @@ PosesByTime poses_of(const std::vector<eval::PosePair>& pairs) {
   return poses;
 }
 
+constexpr auto kGap = std::chrono::milliseconds(1500);  // within it a run is interpolated
+
+/// The run that lasts longest.
+const eval::Trajectory& longest_of(const std::vector<Run>& runs) {
+  const auto span = [](const Run& run) { return run.poses.back().time - run.poses.front().time; };
+  return std::max_element(runs.begin(), runs.end(),
+                          [&span](const Run& a, const Run& b) { return span(a) < span(b); })
+      ->poses;
+}
+
 /// The runs as they are shown: paths, errors, and differences from the first.
 view::Page page_of(const std::vector<Run>& runs, const eval::Trajectory& truth) {
   view::Page page;
-  const eval::Trajectory& first = runs.front().poses;
-  page.begin = first.front().time;
-  const PosesByTime true_poses = poses_of(eval::associate(truth, first).pairs);
+  const eval::Trajectory& times = longest_of(runs);
+  page.begin = times.front().time;
+  const PosesByTime true_poses = poses_of(eval::associate(truth, times).pairs);
   const bool attitude = has_attitude(truth);
-  std::vector<PosesByTime> there;  // of each run at the times of the first
+  std::vector<PosesByTime> there;  // of each run at those times
   const auto add = [&page](const eval::StampedPose& pose) {
     page.paths.back().add(to_seconds(pose.time - page.begin), pose.p, pose.q);
   };
   for (const Run& run : runs) {
     page.paths.push_back({run.name});
     for (const eval::StampedPose& pose : run.poses) add(pose);
-    constexpr auto kGap = std::chrono::milliseconds(1500);
-    there.push_back(poses_of(eval::associate_interpolated(run.poses, first, kGap).pairs));
+    there.push_back(poses_of(eval::associate_interpolated(run.poses, times, kGap).pairs));
   }
   if (!truth.empty()) page.paths.push_back({"truth"});
   for (const auto& [time, pose] : true_poses) {
     page.paths.back().add(to_seconds(time - page.begin), pose.p);
   }
 
-  for (const eval::StampedPose& pose : first) {
-    page.columns.start_row(to_seconds(pose.time - page.begin));
-    const auto known = true_poses.find(pose.time);
+  for (const auto& [time, p, q] : times) {
+    page.columns.start_row(to_seconds(time - page.begin));
+    const auto known = true_poses.find(time);
+    const auto first = there.front().find(time);
     for (std::size_t i = 0; i < runs.size(); ++i) {
-      const auto found = there[i].find(pose.time);
+      const auto found = there[i].find(time);
       if (found == there[i].end()) continue;
       const eval::StampedPose& other = found->second;
       const std::string k = std::to_string(i);
       page.columns.set("z" + k, other.p.z());
-      if (i > 0) {
-        page.columns.set("d" + k, (other.p - pose.p).norm());
-        page.columns.set("y" + k, eval::yaw_error({pose, other}));
+      if (i > 0 && first != there.front().end()) {
+        page.columns.set("d" + k, (other.p - first->second.p).norm());
+        page.columns.set("y" + k, eval::yaw_error({first->second, other}));
       }
       if (known == true_poses.end()) continue;
       const eval::PosePair pair{known->second, other};
@@ -227,7 +237,7 @@ view::Page page_of(const std::vector<Run>& runs, const eval::Trajectory& truth) 
     }
     page.plots.push_back(std::move(out));
   };
-  const std::string to_first = "from " + runs.front().name + ", at its times";
+  const std::string to_first = "from " + runs.front().name;
   plot("Position error [m]", "distance from the truth", "e");
   plot("Yaw error [deg]", "against the truth", "a");
   plot("Tilt error [deg]", "against the truth", "t");
@@ -239,16 +249,21 @@ view::Page page_of(const std::vector<Run>& runs, const eval::Trajectory& truth) 
 
 /// Without a truth: what the runs say of themselves.
 TextTable table_without_truth(const std::vector<Run>& runs) {
-  TextTable rows = {{"run", "path [m]", "first to last [m]", "end from the first run's [m]"}};
+  TextTable rows = {
+      {"run", "path [m]", "first to last [m]", "from the first run, at their last time [m]"}};
   for (const Run& run : runs) {
     double length = 0.0;
     for (std::size_t i = 1; i < run.poses.size(); ++i) {
       length += (run.poses[i].p - run.poses[i - 1].p).norm();
     }
-    const Vector3d& last = run.poses.back().p;
-    rows.push_back({run.name, fmt::format("{:.2f}", length),
-                    fmt::format("{:.3f}", (last - run.poses.front().p).norm()),
-                    fmt::format("{:.3f}", (last - runs.front().poses.back().p).norm())});
+    const auto both =
+        eval::associate_interpolated(run.poses, runs.front().poses, kGap).pairs;  // for both known
+    rows.push_back(
+        {run.name, fmt::format("{:.2f}", length),
+         fmt::format("{:.3f}", (run.poses.back().p - run.poses.front().p).norm()),
+         both.empty()
+             ? "-"
+             : fmt::format("{:.3f}", (both.back().truth.p - both.back().estimate.p).norm())});
   }
   return rows;
 }

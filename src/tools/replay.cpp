@@ -305,6 +305,7 @@ Replayed run_replay(const ReplayArguments& arguments, ViewOutputs* view, const O
   }
   const std::string& damage = recording.samples->outline().sensors.damage;
   if (!summary.started) {
+    view->close(summary);  // complete, if without an estimate
     throw std::runtime_error(no_start_text(summary.data) + (damage.empty() ? "" : "\n" + damage));
   }
   return {std::move(summary), std::move(notes), damage};

@@ -103,12 +103,14 @@ void ReplaySummary::add(const UpdateReport& report, const NavState& state) {
     models[i].nis += report.models[i].nis;
     rows_used += report.models[i].rows_used;
   }
-  if (scans == 0) {
-    first_position = state.p_WB;
-  } else {
-    path_length += (state.p_WB - last_position).norm();
+  if (scans == 0) first_position = last_position = state.p_WB;
+  if (scans == 0 || state.time != last_time) {  // of several scans at one time the last counts
+    length_before = path_length;
+    position_before = last_position;
   }
+  last_time = state.time;
   last_position = state.p_WB;
+  path_length = length_before + (last_position - position_before).norm();
   fastest = std::max(fastest, state.v_WB.norm());
   farthest = std::max(farthest, (state.p_WB - first_position).norm());
   ++scans;

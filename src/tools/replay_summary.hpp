@@ -35,11 +35,14 @@ struct ReplaySummary {
   int landmarks = 0;         ///< at the end
   Vector3d first_position = Vector3d::Zero();
   Vector3d last_position = Vector3d::Zero();
-  double path_length = 0.0;  ///< through the scans [m]
-  double fastest = 0.0;      ///< largest speed [m/s]
-  double farthest = 0.0;     ///< largest distance from the first position [m]
-  Time span{0};              ///< of the data fed
-  Time wall{0};              ///< spent in the estimator
+  Vector3d position_before = Vector3d::Zero();  ///< at the last scan of an earlier time
+  Time last_time{0};
+  double path_length = 0.0;    ///< through the times of scans [m]
+  double length_before = 0.0;  ///< of the path to position_before [m]
+  double fastest = 0.0;        ///< largest speed [m/s]
+  double farthest = 0.0;       ///< largest distance from the first position [m]
+  Time span{0};                ///< of the data fed
+  Time wall{0};                ///< spent in the estimator
   Counters counters;
   std::optional<AuxiliaryEstimate<HeightOffset>> height_offset;  ///< with a barometer, at the end
   HealthLog health;

@@ -35,8 +35,7 @@ struct Message {
 
 struct Channel {
   Json advertised;
-  bool latest_stays = false;
-  Message latest;  ///< if it stays
+  Message latest;  ///< for later viewers
 };
 
 /// One message to a viewer: text, or data with the subscription.
@@ -93,7 +92,7 @@ class Server : public LiveServer {
   std::uint64_t dropped() const override { return dropped_; }
 
   std::uint16_t add_channel(const std::string& topic, const std::string& type,
-                            const std::string& definition, bool latest_stays) override {
+                            const std::string& definition) override {
     const std::lock_guard lock(mutex_);
     const auto id = static_cast<std::uint16_t>(channels_.size());
     channels_.push_back({{{"id", id},
@@ -102,7 +101,6 @@ class Server : public LiveServer {
                           {"schemaName", type},
                           {"schema", definition},
                           {"schemaEncoding", "ros2msg"}},
-                         latest_stays,
                          {}});
     return id;
   }
@@ -111,7 +109,6 @@ class Server : public LiveServer {
     Message queued{channel, static_cast<std::uint64_t>(time.count()),
                    std::make_shared<const std::string>(message)};
     const std::lock_guard lock(mutex_);
-    if (channels_[channel].latest_stays) channels_[channel].latest = queued;
     if (queue_bytes_ + message.size() > kMostWaiting) {
       ++dropped_;
       return;
@@ -171,6 +168,7 @@ class Server : public LiveServer {
       const std::lock_guard lock(mutex_);
       messages.swap(queue_);
       queue_bytes_ = 0;
+      for (const Message& message : messages) channels_[message.channel].latest = message;
       for (auto& [wsi, viewer] : viewers_) tell_channels(&viewer);
     }
     for (auto& [wsi, viewer] : viewers_) {

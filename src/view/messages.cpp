@@ -105,11 +105,11 @@ CdrWriter log_message(const Event& event) {
 
 }  // namespace
 
-void Messages::send(const std::string& topic, const char* type, Time time, const CdrWriter& message,
-                    bool latest_stays) {
+void Messages::send(const std::string& topic, const char* type, Time time,
+                    const CdrWriter& message) {
   const auto [at, added] = channels_.try_emplace(topic);
   if (added) {
-    at->second = target_->add_channel(topic, type, bag::definition_of(type), latest_stays);
+    at->second = target_->add_channel(topic, type, bag::definition_of(type));
   }
   target_->add(at->second, time, message.bytes());
 }
@@ -150,7 +150,7 @@ void Messages::send_path(const std::string& topic, Time time, const eval::Trajec
     put_header(&message, pose.time, kWorld);
     put_pose(&message, pose.p, pose.q);
   }
-  send(topic, "nav_msgs/msg/Path", time, message, true);
+  send(topic, "nav_msgs/msg/Path", time, message);
 }
 
 /// A path is sent when it has grown by a tenth: all of them together are ten times the last one.
@@ -191,7 +191,7 @@ void Messages::send_landmarks(const Odometry& odometry) {
   if (ellipsoids_sent_ != Time::min() && time - ellipsoids_sent_ < std::chrono::seconds(1)) return;
   ellipsoids_sent_ = time;
   send("/landmarks/ellipsoids", "visualization_msgs/msg/MarkerArray", time,
-       ellipsoids(time, landmarks), true);
+       ellipsoids(time, landmarks));
 }
 
 void Messages::send_innovations(const Odometry& odometry) {
@@ -220,7 +220,7 @@ void Messages::send_series(const Odometry& odometry) {
     send(topic, "std_msgs/msg/Float64", state.time, CdrWriter().put(value));
   };
   send_vector("/sigma/position", kWorld, sigma_of(P, body::kPosition));
-  send_vector("/sigma/attitude", kWorld, sigma_of(P, body::kAttitude));
+  send_vector("/sigma/attitude", kBody, sigma_of(P, body::kAttitude));
   send_vector("/sigma/velocity", kWorld, sigma_of(P, body::kVelocity));
   send_vector("/bias/gyro", kBody, state.gyro_bias);
   send_vector("/bias/accel", kBody, state.accel_bias);

@@ -39,10 +39,9 @@ namespace rio::view {
 class MessageTarget {
  public:
   virtual ~MessageTarget() = default;
-  /// @param latest_stays a later viewer gets the newest message, as of a path
   /// @return number of the channel
   virtual std::uint16_t add_channel(const std::string& topic, const std::string& type,
-                                    const std::string& definition, bool latest_stays) = 0;
+                                    const std::string& definition) = 0;
   virtual void add(std::uint16_t channel, Time time, std::string_view message) = 0;
   /// After the messages of a scan.
   virtual void flush(Time /*time*/) {}
@@ -53,7 +52,7 @@ class McapTarget : public MessageTarget {
  public:
   explicit McapTarget(const std::filesystem::path& path) : file_(path) {}
   std::uint16_t add_channel(const std::string& topic, const std::string& type,
-                            const std::string& definition, bool /*latest_stays*/) override {
+                            const std::string& definition) override {
     return file_.add_channel(topic, type, definition);
   }
   void add(std::uint16_t channel, Time time, std::string_view message) override {
@@ -99,8 +98,7 @@ class Messages : public RunSink {
   void close() override;
 
  private:
-  void send(const std::string& topic, const char* type, Time time, const bag::CdrWriter& message,
-            bool latest_stays = false);
+  void send(const std::string& topic, const char* type, Time time, const bag::CdrWriter& message);
   void tell_others(const NavState& state);
   void send_pose(const Odometry& odometry);
   void send_path(const std::string& topic, Time time, const eval::Trajectory& poses);

@@ -152,6 +152,7 @@ function graphOf(plot, rows, unit, shades, more) {
       y: { axisLabelWidth: 56, axisLabelFormatter: number, valueFormatter: number, ...more.y },
     },
   });
+  graph.whole = more.valueRange ?? null;
   themed.push(() => graph.updateOptions(coloured()));
   return { area, graph };
 }
@@ -222,8 +223,8 @@ function drawSome(deadline) {
 }
 $("keys").hidden = toDraw.length === 0;
 function showAll() {
+  for (const graph of graphs) graph.updateOptions({ valueRange: graph.whole });
   zoomTo([begin, end]);
-  for (const graph of graphs) if (graph.isZoomed("y")) graph.resetZoom();
 }
 $("whole").onclick = showAll;
 document.onkeydown = (e) => {

@@ -134,7 +134,10 @@ void ReportBuilder::add_state(const Odometry& odometry) {
   const Matrix3d R = x.q_WB.toRotationMatrix();
   const double yaw = std::atan2(R(1, 0), R(0, 0));
   yaw_ += std::remainder(yaw - yaw_, 2.0 * std::acos(-1.0));
-  const Matrix3d P = R * covariance.block<3, 3>(body::kAttitude, body::kAttitude) * R.transpose();
+  // about the horizontal axis of the heading, the one to its left, and the vertical
+  const Matrix3d ahead = Eigen::AngleAxisd(-yaw, Vector3d::UnitZ()) * R;
+  const Matrix3d P =
+      ahead * covariance.block<3, 3>(body::kAttitude, body::kAttitude) * ahead.transpose();
   const auto sigma = [](double variance) {
     return eval::kDegreesPerRadian * std::sqrt(std::max(0.0, variance));
   };
@@ -142,8 +145,8 @@ void ReportBuilder::add_state(const Odometry& odometry) {
   columns.set("a.roll", eval::kDegreesPerRadian * std::atan2(R(2, 1), R(2, 2)));
   columns.set("a.pitch", -eval::kDegreesPerRadian * std::asin(std::clamp(R(2, 0), -1.0, 1.0)));
   columns.set("a.yaw", eval::kDegreesPerRadian * yaw_);
-  columns.set("sa.roll", sigma(P(0, 0)));   // about the axes of the world: as roll and
-  columns.set("sa.pitch", sigma(P(1, 1)));  // pitch up to the heading
+  columns.set("sa.roll", sigma(P(0, 0)));
+  columns.set("sa.pitch", sigma(P(1, 1)));
   columns.set("sa.yaw", yaw_sigma_);
 }
 

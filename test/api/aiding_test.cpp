@@ -187,6 +187,10 @@ TEST_P(AidingTest, WhatIsRefusedSaysWhy) {
   of_another.size = 3;  // the same name
   ASSERT_TRUE(o.auxiliary.declare(of_another));
   EXPECT_FALSE(AidingMeasurement(now, HeightModel{}, {1.0, 1.0}).is_declared(o.auxiliary));
+  const auto with_three = Odometry::create(o);
+  ASSERT_EQ(with_three->reset(flight().truth.front(), 1e-4 * BodyCovariance::Identity()),
+            Status::kOk);
+  EXPECT_FALSE(auxiliary<HeightOffset>(*with_three));  // nor is anything written
   const AidingMeasurement no_such_radar(now, PositionModel{}, {}, o.radars());
   EXPECT_EQ(odometry->add_measurement(no_such_radar), Status::kUndeclared);
   const auto position_at = [this](Time time) {
@@ -282,6 +286,8 @@ TEST_P(AidingTest, OptionsOfAStateAreChecked) {
   };
   refused("initial value not finite", [](AuxiliaryState& s) { s.initial[0] = NAN; });
   refused("height_offset", [](AuxiliaryState& s) { s.sigma = -1.0; });
+  refused("sigma or walk out of range", [](AuxiliaryState& s) { s.sigma = 2e6; });
+  refused("sigma or walk out of range", [](AuxiliaryState& s) { s.walk = 1e200; });
   refused("delayed, and with a random walk", [](AuxiliaryState& s) { s.delayed = true; });
   refused("size out of range", [](AuxiliaryState& s) { s.size = 0; });
 }

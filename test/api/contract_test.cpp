@@ -3,6 +3,7 @@
 // what is promised of faults is kept, and which starts are taken.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cfenv>
 #include <cmath>
 #include <functional>
@@ -137,6 +138,26 @@ void feed(Odometry& odometry, const Stream& events, Time duration) {
     if (e.arrival > events.front().arrival + duration) return;
     e.is_imu() ? (void)odometry.add_imu(e.sample) : (void)odometry.add_scan(e.scan);
   }
+}
+
+TEST_P(ContractTest, WhoIsToldOfAScanMayReplaceItself) {
+  auto odometry = Odometry::create(options());
+  int first = 0;
+  int second = 0;
+  const std::array<double, 32> captured{7.0};
+  double kept = 0.0;
+  odometry->on_scan([&, captured] {
+    ++first;
+    odometry->on_scan([&] {
+      if (++second == 3) odometry->on_scan({});
+    });
+    kept = captured[0];  // of the call that is replaced
+  });
+  feed(*odometry, events(), seconds(5));
+  EXPECT_GT(odometry->counters().scans, 10U);
+  EXPECT_EQ(first, 1);
+  EXPECT_EQ(second, 3);
+  EXPECT_EQ(kept, 7.0);
 }
 
 TEST_P(ContractTest, AStartIsHeldAgainstWhatIsBuffered) {

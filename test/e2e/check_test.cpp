@@ -138,6 +138,11 @@ TEST_F(Check, AReplayThatCannotStartPrintsWhatCheckFinds) {
         {"no start: the estimator found no standstill",
          "it is in g -> multiply the last three columns of imu0/data.csv by 9.80665"});
   fails(1, replay + "--no-check " + in_g, {"`rio check`"});
+  // what was asked for is complete, if without an estimate
+  fails(1, replay + in_g + " --mcap " + file("none.mcap") + " --report " + file("none.html"),
+        {"no start"});
+  rio("info " + file("none.mcap"));
+  expect_parts(text_of(file("none.html")), {"no scan was used"});
 
   // at rest in the end only; nowhere
   const std::string option = "start: {max_wait: 3}";

@@ -212,9 +212,17 @@ TEST(OptionsYaml, FilesWithAndWithoutPreset) {
   const Values before = values(options);
   parse_options(comments, "o.yaml", &options);
   EXPECT_EQ(values(options), before);
+  // in a setting it wins over files and arguments
+  EstimatorArguments arguments;
+  arguments.preset = "doppler-only";
+  arguments.texts = {with};
+  arguments.set = {"preset=published-ekf", "imu.max_gap=0.3"};
+  std::vector<std::string> notes;
+  EXPECT_EQ(preset_of(flown_options(arguments, {}, {}, &notes)), "published-ekf");
+  arguments.set = {"preset=nix"};
+  EXPECT_ERROR(flown_options(arguments, {}, {}, &notes), "no such preset: \"nix\"");
   const TempDir dir;
-  const auto flown = [](const std::string& file) {
-    std::vector<std::string> notes;
+  const auto flown = [&notes](const std::string& file) {
     (void)flown_options({{file}}, {}, {}, &notes);
   };
   EXPECT_ERROR(flown(dir.path() / "none.yaml"), "none.yaml: no such file");

@@ -160,6 +160,19 @@ def test_points_as_records(flight):
     assert not np.array_equal(states[0][1], [0, 0, 0])
 
 
+def test_masked_records_may_have_whole_numbers():
+    types_of = [(name, "f8") for name in ("x", "y", "z", "doppler")] + [("snr", "i4")]
+    records = np.ma.array(np.zeros(5, dtype=types_of))
+    records["x"] = 3.0 + np.arange(5)
+    records["snr"][4] = np.ma.masked
+    odometry = rio.Odometry()
+    assert odometry.reset(rio.State(0, [0, 0, 0], [1, 0, 0, 0], [0, 0, 0]), np.eye(15) * 0.01) == rio.Status.OK
+    for time in (0, 10**7):
+        odometry.add_imu(time, [0, 0, 0], [0, 0, 9.81])
+    assert odometry.add_scan(10**7, records) == rio.Status.OK
+    assert len(odometry.points()) == 4
+
+
 def test_wrong_points_are_named():
     odometry = rio.Odometry()
     with pytest.raises(ValueError, match="N x 4 to N x 10"):

@@ -18,7 +18,7 @@ struct OptionValues {
 };
 
 struct EstimatorArguments : OptionValues {
-  std::string preset{};   ///< overrides that of file and texts
+  std::string preset{};   ///< overrides that of file and texts; that of `set` overrides it
   std::string backend{};  ///< ekf or smoother; overrides both
 };
 

@@ -26,6 +26,9 @@ void parse_option_values(const std::vector<std::string>& yaml, const std::string
 std::optional<std::string> preset_in_texts(const std::vector<std::string>& yaml,
                                            const std::string& name);
 
+/// The same of the last setting "preset=NAME".
+std::optional<std::string> preset_in_settings(const std::vector<std::string>& settings);
+
 /// Applies settings "KEY=VALUE" with the keys and values of option files, in their order; throws as
 /// parse_option_values() does, with the setting in place of the file.
 void apply_settings(const std::vector<std::string>& settings, Options* options);

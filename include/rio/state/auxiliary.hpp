@@ -15,7 +15,7 @@ namespace rio {
 struct AuxiliaryState {
   const char* name = "";  ///< of static lifetime
   int size = 0;           ///< elements
-  double sigma = 0.0;     ///< prior, per element [its unit]
+  double sigma = 0.0;     ///< prior, per element, at most 1e6 [its unit]
   double walk = 0.0;      ///< density of the random walk [its unit / sqrt(s)]; 0 = a constant
   int index = 0;          ///< among those of one kind (AuxiliaryBlockBase::kIndexed)
   /// Not known well enough to linearise, like the place of an anchor that measures ranges only: its
