@@ -119,10 +119,10 @@ double median(const std::vector<double>& values) {
 class Kart : public RealRecording {
  protected:
   /// Replays it; its errors, medians over the seeds of the RANSAC, and its honesty are kept.
-  void fly(const experiment::Recording& recording, int seeds = 1) {
+  void fly(const experiment::Recording& recording) {
     std::vector<double> horizontal;
     std::vector<double> height;
-    for (int seed = 1; seed <= seeds; ++seed) {
+    for (int seed = 1; seed <= seeds(); ++seed) {
       const experiment::RealScore score = judged(recording, seed);
       ASSERT_TRUE(score.started) << recording.name;
       horizontal.push_back(score.horizontal_share());
@@ -135,6 +135,9 @@ class Kart : public RealRecording {
   static void expect_below(const std::string& what, double value, double bound) {
     test::expect_below(name() + ": " + what, value, bound);
   }
+
+  /// The window takes eight times as long.
+  static int seeds() { return GetParam() == BackEnd::kEkf ? 8 : 4; }
 
   const std::filesystem::path folder_ = real_data("kart");
   std::vector<double> horizontal_;  ///< error of each drive [%]
@@ -159,16 +162,15 @@ TEST_P(Kart, FindsItsWay) {
 
 // Four drives hang on the seed of the RANSAC: median height of the filter 1.42 % with the first
 // seed, 1.25 % over eight. It scatters by 0.21 % with one seed, 0.14 % with four, 0.13 % with
-// eight; the window takes eight times as long.
+// eight.
 TEST_P(Kart, TwoRadarsOfADriveAreBetterThanOne) {
-  const int seeds = GetParam() == BackEnd::kEkf ? 8 : 4;
   if (folder_.empty()) GTEST_SKIP() << kNoRealData;
   const std::vector<experiment::Recording> recordings = experiment::find_recordings(folder_);
   for (std::size_t i = 0; i + 1 < recordings.size(); i += 2) {  // NAME_A, NAME_B
     experiment::Recording both = recordings[i];
     const io::Dataset& other = recordings[i + 1].data;
     both.data.other_radars.push_back({other.scans, other.radar_info});
-    ASSERT_NO_FATAL_FAILURE(fly(both, seeds));
+    ASSERT_NO_FATAL_FAILURE(fly(both));
   }
   // one radar: 1.3 and 1.0 to 1.1
   expect_below("both radars: horizontal, median [%]", median(horizontal_), 1.0);
