@@ -49,7 +49,6 @@ void on_stack(void* (*function)(void*), void* argument) {
   pthread_join(thread, nullptr);
 }
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kRest = 2.0;      // [s]
 constexpr double kSeconds = 20.0;  // of flight
 constexpr int kPoints = 30;        // in a scan
