@@ -1,6 +1,6 @@
 # Installs rio::rio, rio::core, rio::ti, rio::mavlink, rio::static_memory and rio::sim so that find_package(rio) gives
-# them; with the programs also rio::files, where GoogleTest is installed also rio::testing. Components: library, dev, tools, python
-# (cmake/package.cmake).
+# them; with the programs also rio::files, where GoogleTest is installed also rio::testing. Components: library, dev,
+# tools, python (cmake/package.cmake).
 include(CMakePackageConfigHelpers)
 
 set(installed rio_core rio_sim rio_static_memory rio_ti rio_mavlink rio)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/static_memory.hpp"
 
+#include <cerrno>
 #include <cstdint>
 #include <cstring>
 
@@ -54,6 +55,6 @@ void* aligned_alloc(std::size_t align, std::size_t size) {
 }
 int posix_memalign(void** to, std::size_t align, std::size_t size) {
   *to = rio::static_memory::take(size, align);
-  return *to == nullptr ? 12 : 0;  // ENOMEM
+  return *to == nullptr ? ENOMEM : 0;
 }
 }

