@@ -8,6 +8,13 @@
 
 namespace rio {
 
+namespace {
+
+// cells of the noise in the region where a landmark is looked for: in more there are other echoes
+constexpr double kMostCells = 100.0;
+
+}  // namespace
+
 Association::Association(const FrontendOptions& options, std::size_t max_landmarks,
                          double same_echo)
     : options_(options),
@@ -37,10 +44,9 @@ void Association::match(const DetectionList& scan, const std::array<bool, kMaxDe
   for (std::size_t i = 0; i < landmarks; ++i) {
     const LandmarkState& landmark = predicted.landmarks[i];
     if (landmark.retired) continue;
-    const double unseen = predicted.distance_travelled - landmark.distance_seen;
     add_row(i,
             {to_radar(T_WB, T_BS, landmark.p_W), matching_covariance(landmark.covariance_S),
-             gate_after(unseen), unseen > kSamePlace},
+             gate_after(predicted.distance_travelled - landmark.distance_seen)},
             scan, usable, &out->near_landmark);
   }
   for (std::size_t i = 0; i < trails.size(); ++i) {
@@ -53,7 +59,7 @@ void Association::match(const DetectionList& scan, const std::array<bool, kMaxDe
     add_row(landmarks + i,
             {to_radar(T_WB, T_BS, point_W),
              matching_covariance(turn * point_covariance(newest.detection) * turn.transpose()),
-             gate_after((T_WB.p - then.p).norm()), false},
+             gate_after((T_WB.p - then.p).norm())},
             scan, usable, nullptr);
   }
   assignment_.solve();
@@ -98,11 +104,11 @@ std::optional<Association::Distance> Association::mahalanobis_distance(const Vec
   Dt << u, inverse_range * (seen.t_az - az * u), inverse_range * (seen.t_el - el * u);
   const Matrix3d PDt = known.covariance * Dt;
   Matrix3d S = Dt.transpose() * PDt;
-  if (known.seen_again && S(2, 2) > seen.variances[2]) return std::nullopt;  // (E4)
   S.diagonal() += seen.variances;
   const SmallCholesky<3> root(S);
   if (!root.positive()) return std::nullopt;
   const double spread = root.determinant() / seen.variance_product;
+  if (spread > kMostCells * kMostCells) return std::nullopt;  // any echo of the region would do
   const double d2 = root.whitened(y).squaredNorm();
   if (!(d2 < gate_)) return std::nullopt;
   return Distance{d2, d2 + std::log(spread)};

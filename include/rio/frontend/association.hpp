@@ -15,11 +15,10 @@
 // A landmark's match under (E2) counts only if every other pairing of the two costs more by a
 // margin: among close reflectors the nearest is the one that confirms the estimate, and using it
 // would make the filter overconfident.
-// (E4) A landmark that was not seen for a way is matched again while P_el <= R_el: its elevation is
-//      predicted at least as well as one look measures it. Else the prediction has to choose among
-//      the echoes of the same structure, most of which are not in every scan, so that the margin
-//      does not tell. The chosen one confirms the predicted height and with it the pitch of the
-//      mounting, whatever they are, and all later looks are of the same echo.
+// sqrt(det S / det R) is the volume of the region in which a point is looked for, in cells of the
+// noise. That of a landmark seen again after a long way holds other reflectors; most are not in
+// every scan, so the margin does not tell. Beyond a number of cells there is no match, until
+// landmarks of smaller regions have corrected the estimate.
 #pragma once
 
 #include <array>
@@ -74,8 +73,7 @@ class Association {
   struct Known {
     Vector3d point_S;
     Matrix3d covariance;
-    double gate = 0.0;        ///< chi-squared gate of a match, at most gate_
-    bool seen_again = false;  ///< a landmark, after a way on which it was not seen (E4)
+    double gate = 0.0;  ///< chi-squared gate of a match, at most gate_
   };
   /// The terms of (E2) that depend on the detection alone.
   struct Seen {

@@ -31,9 +31,6 @@ void is_aligned_as_in_the_library();
 /// Radars on one body.
 inline constexpr std::size_t kMaxRadars = 1 + Options::kMaxOtherRadars;
 
-/// The body may have travelled this far and still be at one place, noise included [m].
-inline constexpr double kSamePlace = 0.5;
-
 /// Scans are numbered in the order they are processed; scans of several radars that are processed
 /// at the same instant share the number, as they share the pose.
 using ScanId = std::uint64_t;

@@ -55,6 +55,9 @@ class ScanRows {
   const LandmarkState::Looks& looks(std::size_t landmark) const { return look_sums_[landmark]; }
 
  private:
+  static constexpr double kSamePlace =
+      0.5;  // travelled while still at one place, noise included [m]
+
   /// A scan with what its rows are made from.
   struct Scan {
     const Observations& seen;
