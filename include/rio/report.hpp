@@ -204,7 +204,7 @@ struct Counters {
   std::uint64_t imu_frozen = 0;        ///< values that repeat where noise does not
   std::uint64_t imu_gaps = 0;
   std::uint64_t clock_restarts = 0;     ///< permanent jumps of the IMU clock
-  std::uint64_t radar_clock_steps = 0;  ///< found and carried
+  std::uint64_t radar_clock_steps = 0;  ///< against that of the IMU; found and carried
   std::uint64_t scans = 0;              ///< processed
   std::uint64_t scans_late = 0;
   std::uint64_t scans_ahead = 0;

@@ -46,8 +46,9 @@
 //   scan stamps are in the clock of the IMU. If that of a radar steps by more than a tenth of a
 //               second - five scans arrive when they are due, with stamps that do not follow - the
 //               step is taken out of the stamps from then on (Counters::radar_clock_steps,
-//               report().time is without it) and the time offset estimated anew. Older than the
-//               estimate is kLate, farther ahead of the newest IMU sample than
+//               report().time is without it) and the time offset estimated anew. So it is where the
+//               clock of the IMU alone jumps by more than half a second. Older than the estimate is
+//               kLate, farther ahead of the newest IMU sample than
 //               TimingOptions::max_ahead kAhead. In between they wait.
 //   all stamps  within 146 years of their epoch; beyond that they are too old, or ahead.
 #pragma once

@@ -86,7 +86,9 @@ class Engine final : public Odometry::Impl {
     scans_.hear_imu();
     if (!imu_.empty() && imu_.is_gap(imu_.newest(), sample)) {
       ++counters.imu_gaps;
-      pipeline_.add_gap(sample.time - imu_.newest().time);
+      const Time gap = sample.time - imu_.newest().time;
+      pipeline_.add_gap(gap);
+      if (gap > StampGuard::kSudden) scans_.imu_jumped(gap);
       if (initialized) restart_.pause(at_scan(), covariance, sample.time);
     }
     if (initialized && imu_.full()) catch_up(imu_[1 + imu_.size() / kSteps].time);
@@ -226,11 +228,12 @@ class Engine final : public Odometry::Impl {
     ++counters.clock_restarts;
     ImuSample last = imu_.newest();
     if (initialized) catch_up(last.time);
-    last.time = stamps_.newest_in_run();
+    const Time jump = stamps_.newest_in_run() - last.time;
+    last.time += jump;
     imu_.clear();
     aligner_.reset();
     moving_start_.reset();
-    scans_.reset_clocks();
+    scans_.imu_jumped(jump);
     if (!initialized) return;
     imu_.push_back(last);  // a gap follows, to the first sample of the new clock
     add_unknown_pause(options_.imu, at_scan().v_WB.norm(), covariance);

@@ -16,24 +16,38 @@ Time ScanClock::corrected(Time stamp, std::optional<Time> imu) {
     shift_ += run_.lag - lag_;
     newest_ = stamp - shift_;
     run_ = Run{};
+    jump_.reset();
     stepped_ = true;
   }
   return stamp - shift_;
 }
 
+void ScanClock::imu_jumped(Time by) {
+  if (lags_ < kMean) return reset();
+  jump_ = by;
+  newest_.reset();
+  run_ = Run{};
+}
+
 void ScanClock::observe(Time stamp, Time imu) {
   const Time lag = stamp - imu;
   const Time before = newest_.value_or(stamp);
-  const Time interval = stamp - before;
+  const Time interval = newest_ ? stamp - before : interval_;
   const Time arrival = imu - std::exchange(imu_, imu);
   newest_ = lag - lag_ < kOdd ? std::max(before, stamp) : before;
-  const bool away = std::chrono::abs(lag - lag_) > kStep && arrival > Time{0};
+  const bool away = std::chrono::abs(lag - lag_) > kStep && (jump_ || arrival > Time{0});
   if (run_.count > 0 && away && std::chrono::abs(lag - run_.lag) < kSteady) {
     ++run_.count;
     run_.lag += (lag - run_.lag) / run_.count;
     return;
   }
   run_ = Run{};
+  if (jump_ && away) {
+    if (std::chrono::abs(lag - lag_ + *jump_) < kStep) run_ = {lag, 1};
+    return;
+  }
+  jump_.reset();
+  if (lags_ == kMean && arrival == Time{0}) return;  // the IMU pauses
   if (lags_ == kMean && away && is_due(arrival) && !is_due(interval)) {
     run_ = {lag, 1};
     return;

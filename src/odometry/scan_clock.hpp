@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Steps of the clock of one radar. The lag of a scan, its stamp minus the newest IMU stamp at its
-// arrival, is constant but for delays. A step of the radar's clock changes it for good, at a scan
-// whose stamp does not follow the one before although it arrives when it is due. A late scan is the
-// opposite: its stamp follows, but it is not due.
+// Steps of the clock of one radar against that of the IMU. The lag of a scan, its stamp minus the
+// newest IMU stamp at its arrival, is constant but for delays. A step of the radar's clock changes
+// it for good, at a scan whose stamp does not follow the one before although it arrives when it is
+// due. A late scan is the opposite: its stamp follows, but it is not due. Where the stamps of the
+// IMU jump, be it a pause or a step of the clock of both sensors, the lag is as before; after a
+// step of the clock of the IMU alone it is less by that jump.
 #pragma once
 
 #include <chrono>
@@ -24,7 +26,9 @@ class ScanClock {
   /// Sum of the steps: as received minus corrected.
   Time shift() const { return shift_; }
 
-  /// The clock of the IMU has jumped, that of the radar perhaps, too: starts over.
+  /// The stamps of the IMU have jumped, those of the radar perhaps, too.
+  void imu_jumped(Time by);
+  /// Starts over.
   void reset() { *this = ScanClock{}; }
 
  private:
@@ -49,6 +53,7 @@ class ScanClock {
 
   Time shift_{0};
   bool stepped_ = false;
+  std::optional<Time> jump_;    ///< of the stamps of the IMU, until the lag is as before
   std::optional<Time> newest_;  ///< stamp, corrected: late scans may come between
   Time imu_{0};                 ///< at the last scan
   Time interval_{0};            ///< usual, between scans

@@ -107,4 +107,8 @@ void ScanIntake::reset_clocks() {
   for (ScanClock& clock : clocks_) clock.reset();
 }
 
+void ScanIntake::imu_jumped(Time by) {
+  for (ScanClock& clock : clocks_) clock.imu_jumped(by);
+}
+
 }  // namespace rio

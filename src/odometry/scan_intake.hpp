@@ -222,8 +222,9 @@ class ScanIntake {
   void forget(const ImuBuffer& imu);
   /// Two equal scans in a row are new ones.
   void forget_fingerprints() { history_.forget_fingerprints(); }
-  /// The clock of the IMU has jumped, those of the radars perhaps, too.
   void reset_clocks();
+  /// The stamps of the IMU have jumped, those of the radars perhaps, too.
+  void imu_jumped(Time by);
 
  private:
   /// Measured before the estimate. A scan that follows the last one is not late, even if a change

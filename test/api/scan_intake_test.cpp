@@ -80,6 +80,45 @@ TEST(ScanClock, DelaysArePassedOver) {
   });
 }
 
+// Of the IMU alone: found as a step of the radar the other way. With both clocks, or after a pause
+// of the IMU, the lag is as before; and a scan may still be on its way.
+TEST(ScanClock, FindsAStepOfTheImu) {
+  for (const Time step : {Time(seconds(2)), Time(-seconds(2)), Time(hours(1)), Time(-hours(1))}) {
+    for (const Time radar : {Time(0), step}) {
+      ScanClock clock;
+      int found = 0;
+      for (int k = 0; k < 200; ++k) {
+        if (k == 100) clock.imu_jumped(step);
+        const Time late = k == 100 ? Time(milliseconds(70)) : Time(0);
+        (void)clock.corrected(usual(k).stamp + (k < 100 ? Time(0) : radar) - late,
+                              usual(k).imu + (k < 100 ? Time(0) : step));
+        found += clock.stepped() ? 1 : 0;
+      }
+      EXPECT_EQ(clock.shift(), radar - step);
+      EXPECT_EQ(found, radar == step ? 0 : 1);
+    }
+  }
+}
+
+TEST(ScanClock, AJumpOfTheImuDoesNotMakeAStepOfDelays) {
+  const auto none = [](const std::function<void(int, Arrival*)>& change) {
+    ScanClock clock;
+    for (int k = 0; k < 300; ++k) {
+      Arrival a = usual(k);
+      if (k == 120) clock.imu_jumped(seconds(1));  // a pause from scan 100 on
+      if (k >= 100 && k < 120) a.imu = usual(100).imu;
+      if (k >= 120) change(k, &a);
+      (void)clock.corrected(a.stamp, a.imu);
+    }
+    EXPECT_EQ(clock.shift(), Time(0));
+  };
+  none([](int, Arrival*) {});
+  none([](int k, Arrival* a) {
+    a->imu += k < 140 ? seconds(1) - milliseconds(50) * (k - 120) : Time(0);
+  });
+  none([](int, Arrival* a) { a->imu += milliseconds(400); });
+}
+
 // The same with a radar so fast that its scans within a step of the IMU have nearly the same lag.
 TEST(ScanClock, TheImuMustGoOn) {
   ScanClock clock;

@@ -18,7 +18,7 @@ run(${WORK}/build/link)
 execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE}/test/package/consumer -B ${WORK}/aligned
   -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_CXX_COMPILER=${COMPILER}
   "-DCMAKE_CXX_FLAGS=${FLAGS} -DEIGEN_MAX_ALIGN_BYTES=0" -DEXAMPLES=${SOURCE}/src/examples OUTPUT_QUIET)
-execute_process(COMMAND ${CMAKE_COMMAND} --build ${WORK}/aligned --target own_back_end RESULT_VARIABLE result
+execute_process(COMMAND ${CMAKE_COMMAND} --build ${WORK}/aligned --target core RESULT_VARIABLE result
   OUTPUT_VARIABLE output ERROR_VARIABLE output)
 if(result EQUAL 0 OR NOT output MATCHES "is_aligned_as_in_the_library<0>")
   message(FATAL_ERROR "rio::core links with another alignment of Eigen:\n${output}")
@@ -32,3 +32,4 @@ run(${WORK}/build/new_model)
 run(${WORK}/build/new_model_test)
 run(${WORK}/build/own_front_end)
 run(${WORK}/build/own_back_end)
+run(${WORK}/build/radar_point_model)

@@ -27,6 +27,8 @@ enum class StampVerdict : std::uint8_t {
 /// O(1) a stamp, no allocation.
 class StampGuard {
  public:
+  static constexpr Time kSudden = std::chrono::milliseconds(500);  ///< longest unsuspicious step
+
   /// @param max_pause a run that begins later than this after the newest stamp is a clock jump
   explicit StampGuard(Time max_pause) : max_pause_(max_pause) {}
 
@@ -44,7 +46,6 @@ class StampGuard {
   Time newest_in_run() const { return first_ - interval_; }
 
  private:
-  static constexpr Time kSudden = std::chrono::milliseconds(500);  // longest unsuspicious step
   static constexpr int kMany = 5;  // stamps in a row that are no coincidence
   static constexpr Time kLasting = std::chrono::milliseconds(100);  // least span: no late data
   static constexpr Time kUsual = std::chrono::seconds(10);   // longest pause that is no surprise
