@@ -109,6 +109,8 @@ void ViewOutputs::begin(view::RunStart start) {
   const std::vector<std::string> labels = default_labels(arguments_.also);
   for (std::size_t i = 0; i < labels.size(); ++i) {
     start.others.emplace_back(labels[i], io::read_trajectory(arguments_.also[i]));
+    const eval::Trajectory& path = start.others.back().second;
+    if (!path.empty()) others_.push_back({labels[i], path.front().time, path.back().time});
   }
   open();
   for (const Sink& sink : sinks_) sink.to->begin(start);
@@ -135,6 +137,9 @@ void ViewOutputs::tell(const std::vector<view::Event>& events) {
 
 void ViewOutputs::add(const Odometry& odometry) {
   if (sinks_.empty()) return;
+  const Time now = odometry.at_scan().time;
+  if (!begin_) begin_ = now;
+  end_ = now;
   tell(watch_.after_scan(odometry));
   for_each_sink([&](view::RunSink* sink) { sink->add(odometry); });
 }
@@ -145,6 +150,10 @@ void ViewOutputs::watch(const Odometry& odometry) {
 
 void ViewOutputs::close(const ReplaySummary& summary) {
   for_each_sink([](view::RunSink* sink) { sink->close(); });
+  for (const Other& other : others_) {
+    if (begin_ && other.begin <= end_ && other.end >= *begin_) continue;
+    fmt::print(stderr, "note: --also {}: no time in common with this run\n", other.label);
+  }
   if (server_ != nullptr && server_->dropped() > 0) {
     fmt::print(stderr, "view: {} messages dropped, since viewers read too slowly\n",
                server_->dropped());

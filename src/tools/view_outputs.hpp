@@ -7,6 +7,7 @@
 
 #include <exception>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -56,6 +57,12 @@ class ViewOutputs : public live::Listener {
     std::unique_ptr<view::RunSink> to;
     std::exception_ptr failed{};
   };
+  /// An estimate beside this one.
+  struct Other {
+    std::string label;
+    Time begin;
+    Time end;
+  };
 
   void open();
   void add_sink(std::unique_ptr<view::RunSink> sink) { sinks_.push_back({std::move(sink)}); }
@@ -67,6 +74,9 @@ class ViewOutputs : public live::Listener {
   view::ReportBuilder* report_ = nullptr;  ///< among the sinks
   view::LiveServer* server_ = nullptr;     ///< of a sink
   std::vector<Sink> sinks_;
+  std::vector<Other> others_;
+  std::optional<Time> begin_;  ///< first scan
+  Time end_{0};                ///< newest scan
   view::EventWatch watch_;
 };
 

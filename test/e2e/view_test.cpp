@@ -185,6 +185,24 @@ TEST_F(Tool, OneOutputThatFailsLeavesTheOthers) {
   EXPECT_EQ(text_of(file("kept.mcap")), "of a run before");
 }
 
+TEST_F(Tool, AnEstimateOfAnotherTimeIsTold) {
+  const std::string replay = "replay " + flight_ + " --no-check --quiet --mcap " + file("run.mcap");
+  const std::string same = file("same.tum");
+  const std::string later = file("later.tum");
+  rio(replay + " --out " + same);
+  std::ofstream shifted(later);
+  for (const std::string& line : lines_of(same)) {
+    std::istringstream in(line);
+    double t = 0.0;
+    in >> t;
+    shifted << std::fixed << t + 3600.0 << in.rdbuf() << "\n";
+  }
+  shifted.close();
+  const Outcome run = rio(replay + " --also " + same + " --also " + later,
+                          {"note: --also later: no time in common with this run"});
+  EXPECT_EQ(run.output.find("--also same"), std::string::npos) << run.output;
+}
+
 TEST_F(Tool, TheMessagesAreReadByOthers) {
   const std::string mcap = file("run.mcap");
   const std::string other = file("other.tum");
