@@ -42,7 +42,8 @@ void ScanClock::observe(Time stamp, Time imu) {
     return;
   }
   run_ = Run{};
-  if (jump_ && away) {
+  const bool ends_delay = jump_ && *jump_ > Time{0} && lag > least_ - kStep;
+  if (jump_ && away && !ends_delay) {
     if (std::chrono::abs(lag - lag_ + *jump_) < kStep) run_ = {lag, 1};
     return;
   }
@@ -54,6 +55,7 @@ void ScanClock::observe(Time stamp, Time imu) {
   }
   lags_ = std::min(lags_ + 1, kMean);
   lag_ += lags_ < kMean ? (lag - lag_) / lags_ : std::clamp(lag - lag_, -kPull, kPull) / kMean;
+  least_ = lags_ < kMean ? lag_ : std::min(least_, lag_);
   if (is_due(interval) || lags_ < kMean) interval_ += (interval - interval_) / lags_;
 }
 

@@ -4,7 +4,8 @@
 // it for good, at a scan whose stamp does not follow the one before although it arrives when it is
 // due. A late scan is the opposite: its stamp follows, but it is not due. Where the stamps of the
 // IMU jump, be it a pause or a step of the clock of both sensors, the lag is as before; after a
-// step of the clock of the IMU alone it is less by that jump.
+// step of the clock of the IMU alone it is less by that jump. Where a delay of the IMU has ended it
+// is less, too, but no less than before that delay.
 #pragma once
 
 #include <chrono>
@@ -58,6 +59,7 @@ class ScanClock {
   Time imu_{0};                 ///< at the last scan
   Time interval_{0};            ///< usual, between scans
   Time lag_{0};                 ///< mean
+  Time least_{0};               ///< least mean so far
   int lags_ = 0;                ///< in it
   Run run_;
 };

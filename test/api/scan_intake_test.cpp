@@ -100,6 +100,18 @@ TEST(ScanClock, FindsAStepOfTheImu) {
   }
 }
 
+TEST(ScanClock, TheEndOfADelayOfTheImuIsNoStep) {
+  ScanClock clock;
+  for (int k = 0; k < 400; ++k) {
+    if (k == 300) clock.imu_jumped(milliseconds(900));  // newer samples overtake the late ones
+    const Arrival a = usual(k);
+    const bool late = k >= 100 && k < 300;
+    (void)clock.corrected(a.stamp,
+                          late ? std::max(usual(100).imu, a.imu - milliseconds(900)) : a.imu);
+  }
+  EXPECT_EQ(clock.shift(), Time(0));
+}
+
 TEST(ScanClock, AJumpOfTheImuDoesNotMakeAStepOfDelays) {
   const auto none = [](const std::function<void(int, Arrival*)>& change) {
     ScanClock clock;
