@@ -23,7 +23,8 @@ Time ScanClock::corrected(Time stamp, std::optional<Time> imu) {
 }
 
 void ScanClock::imu_jumped(Time by) {
-  if (lags_ < kMean) return reset();
+  if (moving_ < kMean) return reset();
+  lag_ = lag_moving_;
   jump_ = by;
   newest_.reset();
   run_ = Run{};
@@ -48,7 +49,6 @@ void ScanClock::observe(Time stamp, Time imu) {
     return;
   }
   jump_.reset();
-  if (lags_ == kMean && arrival == Time{0}) return;  // the IMU pauses
   if (lags_ == kMean && away && is_due(arrival) && !is_due(interval)) {
     run_ = {lag, 1};
     return;
@@ -57,6 +57,9 @@ void ScanClock::observe(Time stamp, Time imu) {
   lag_ += lags_ < kMean ? (lag - lag_) / lags_ : std::clamp(lag - lag_, -kPull, kPull) / kMean;
   least_ = lags_ < kMean ? lag_ : std::min(least_, lag_);
   if (is_due(interval) || lags_ < kMean) interval_ += (interval - interval_) / lags_;
+  if (arrival == Time{0}) return;
+  lag_moving_ = lag_;
+  moving_ = std::min(moving_ + 1, kMean);
 }
 
 }  // namespace rio

@@ -60,6 +60,8 @@ class ScanClock {
   Time interval_{0};            ///< usual, between scans
   Time lag_{0};                 ///< mean
   Time least_{0};               ///< least mean so far
+  Time lag_moving_{0};          ///< mean before the IMU paused
+  int moving_ = 0;              ///< scans before which the IMU has gone on
   int lags_ = 0;                ///< in it
   Run run_;
 };
