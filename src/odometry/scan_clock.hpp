@@ -59,10 +59,10 @@ class ScanClock {
   Time imu_{0};                 ///< at the last scan
   Time interval_{0};            ///< usual, between scans
   Time lag_{0};                 ///< mean
+  int lags_ = 0;                ///< in it
   Time least_{0};               ///< least mean so far
   Time lag_moving_{0};          ///< mean before the IMU paused
   int moving_ = 0;              ///< scans before which the IMU has gone on
-  int lags_ = 0;                ///< in it
   Run run_;
 };
 

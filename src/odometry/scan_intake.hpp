@@ -222,6 +222,7 @@ class ScanIntake {
   void forget(const ImuBuffer& imu);
   /// Two equal scans in a row are new ones.
   void forget_fingerprints() { history_.forget_fingerprints(); }
+  /// Any stamps may follow.
   void reset_clocks();
   /// The stamps of the IMU have jumped, those of the radars perhaps, too.
   void imu_jumped(Time by);
