@@ -10,28 +10,20 @@
 #include <vector>
 
 #include "commands.hpp"
+#include "compare_page.hpp"
 #include "evaluate.hpp"
 #include "outputs.hpp"
 #include "recording.hpp"
 #include "replay.hpp"
 #include "rio/bag/message_stream.hpp"
+#include "rio/bag/messages.hpp"
 #include "rio/eval/alignment.hpp"
-#include "rio/eval/metrics.hpp"
 #include "rio/eval/pairing.hpp"
 #include "rio/io/trajectory.hpp"
-#include "view/page.hpp"
 
 namespace rio::tools {
 
 namespace {
-
-/// One run: a recording with settings, or the file of another estimator.
-struct Run {
-  std::string name;
-  eval::Trajectory poses;
-  std::string verdict;  ///< of a replay
-  std::string damage;   ///< of its recording
-};
 
 /// "KEY=1,2" as "KEY=1" and "KEY=2".
 std::vector<std::string> settings_of(const std::string& vary) {
@@ -98,8 +90,16 @@ Run replay_of(const CompareArguments& arguments, const std::string& recording,
   return run;
 }
 
+/// Whether a path is to be flown. A bag without an IMU, as `rio replay --mcap` writes it for
+/// viewers, holds the poses of an estimate.
 bool is_recording(const std::string& path) {
-  return io::is_dataset_folder(path) || bag::begins_as_recording(path);
+  if (io::is_dataset_folder(path)) return true;
+  if (!bag::begins_as_recording(path)) return false;
+  const auto stream = bag::open_messages(path);
+  for (bag::Message message; stream->next(&message);) {
+    if (bag::is_imu(stream->topics()[message.topic].type)) return true;
+  }
+  return false;
 }
 
 std::vector<Run> runs_of(const CompareArguments& arguments) {
@@ -112,7 +112,7 @@ std::vector<Run> runs_of(const CompareArguments& arguments) {
   }
   std::map<std::string, eval::Trajectory> files;
   for (const std::string& path : arguments.runs) {
-    if (!is_recording(path)) files[path] = io::read_trajectory(path);
+    if (!is_recording(path)) files[path] = path_of(path, {});
   }
   const bool any = std::any_of(arguments.runs.begin(), arguments.runs.end(), is_recording);
   const EstimatorArguments& given = arguments.estimator;
@@ -167,84 +167,6 @@ eval::Trajectory common_truth(const CompareArguments& arguments) {
   }
   if (!why.empty()) print_notes({"no truth is known: " + why});
   return {};
-}
-
-/// Those of the truth, or of a run, at the times of another.
-using PosesByTime = std::map<Time, eval::StampedPose>;
-PosesByTime poses_of(const std::vector<eval::PosePair>& pairs) {
-  PosesByTime poses;
-  for (const eval::PosePair& pair : pairs) poses.emplace(pair.estimate.time, pair.truth);
-  return poses;
-}
-
-constexpr auto kGap = std::chrono::milliseconds(1500);  // within it a run is interpolated
-
-/// The run that lasts longest.
-const eval::Trajectory& longest_of(const std::vector<Run>& runs) {
-  const auto span = [](const Run& run) { return run.poses.back().time - run.poses.front().time; };
-  return std::max_element(runs.begin(), runs.end(),
-                          [&span](const Run& a, const Run& b) { return span(a) < span(b); })
-      ->poses;
-}
-
-/// The runs as they are shown: paths, errors, and differences from the first.
-view::Page page_of(const std::vector<Run>& runs, const eval::Trajectory& truth) {
-  view::Page page;
-  const eval::Trajectory& times = longest_of(runs);
-  page.begin = times.front().time;
-  const PosesByTime true_poses = poses_of(eval::associate(truth, times).pairs);
-  const bool attitude = has_attitude(truth);
-  std::vector<PosesByTime> there;  // of each run at those times
-  const auto add = [&page](const eval::StampedPose& pose) {
-    page.paths.back().add(to_seconds(pose.time - page.begin), pose.p, pose.q);
-  };
-  for (const Run& run : runs) {
-    page.paths.push_back({run.name});
-    for (const eval::StampedPose& pose : run.poses) add(pose);
-    there.push_back(poses_of(eval::associate_interpolated(run.poses, times, kGap).pairs));
-  }
-  if (!truth.empty()) page.paths.push_back({"truth"});
-  for (const auto& [time, pose] : true_poses) {
-    page.paths.back().add(to_seconds(time - page.begin), pose.p);
-  }
-
-  for (const auto& [time, p, q] : times) {
-    page.columns.start_row(to_seconds(time - page.begin));
-    const auto known = true_poses.find(time);
-    const auto first = there.front().find(time);
-    for (std::size_t i = 0; i < runs.size(); ++i) {
-      const auto found = there[i].find(time);
-      if (found == there[i].end()) continue;
-      const eval::StampedPose& other = found->second;
-      const std::string k = std::to_string(i);
-      page.columns.set("z" + k, other.p.z());
-      if (i > 0 && first != there.front().end()) {
-        page.columns.set("d" + k, (other.p - first->second.p).norm());
-        page.columns.set("y" + k, eval::yaw_error({first->second, other}));
-      }
-      if (known == true_poses.end()) continue;
-      const eval::PosePair pair{known->second, other};
-      page.columns.set("e" + k, (other.p - pair.truth.p).norm());
-      if (!attitude) continue;
-      page.columns.set("a" + k, eval::yaw_error(pair));
-      page.columns.set("t" + k, eval::tilt_error(pair));
-    }
-  }
-  const auto plot = [&](const std::string& title, const std::string& note, const char* column) {
-    view::Plot out{"Over time", title, note, {}};
-    for (std::size_t i = 0; i < runs.size(); ++i) {
-      out.curves.push_back({runs[i].name, column + std::to_string(i)});
-    }
-    page.plots.push_back(std::move(out));
-  };
-  const std::string to_first = "from " + runs.front().name;
-  plot("Position error [m]", "distance from the truth", "e");
-  plot("Yaw error [deg]", "against the truth", "a");
-  plot("Tilt error [deg]", "against the truth", "t");
-  plot("Difference of position [m]", to_first, "d");
-  plot("Difference of yaw [deg]", to_first, "y");
-  plot("Height [m]", "", "z");
-  return page;
 }
 
 /// Without a truth: what the runs say of themselves.

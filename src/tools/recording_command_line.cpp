@@ -207,8 +207,10 @@ void add_compare_command(CLI::App& app) {
       app, "compare",
       "Runs of one recording side by side: presets, back-ends, options, other estimators");
   CompareArguments* to = command.runs(&compare);
-  command.add("RUN", &to->runs, "recordings, which are replayed, and trajectories (TUM, EuRoC csv)",
-              kRequired);
+  command.add(
+      "RUN", &to->runs,
+      "recordings, which are replayed, and trajectories (TUM, EuRoC csv, bags without an IMU)",
+      kRequired);
   command.add("--preset", &to->presets, "several, separated by commas: a run with each", kOneEach)
       ->delimiter(',');
   command

@@ -93,6 +93,14 @@ inline std::vector<std::string> lines_of(const fs::path& file) {
   return lines;
 }
 
+/// The data in a page.
+inline Json data_of(const fs::path& page) {
+  const std::string begin = "<script type='application/json' id='data'>";
+  const std::string text = text_of(page);
+  const std::size_t at = text.find(begin) + begin.size();
+  return Json::parse(text.substr(at, text.find("</script>", at) - at));
+}
+
 /// Norm of RMSE of an estimated path [m].
 inline double path_error(const std::string& truth, const std::string& estimate,
                          const std::string& options = "") {

@@ -40,14 +40,6 @@ std::vector<std::map<std::string, std::string>> table(const fs::path& file) {
   return rows;
 }
 
-/// The data in a page.
-Json data_of(const fs::path& page) {
-  const std::string begin = "<script type='application/json' id='data'>";
-  const std::string text = text_of(page);
-  const std::size_t at = text.find(begin) + begin.size();
-  return Json::parse(text.substr(at, text.find("</script>", at) - at));
-}
-
 /// The float32 values of a column of a page.
 std::vector<float> column_of(const Json& data, const std::string& name) {
   const TempDir dir;
@@ -258,46 +250,6 @@ TEST_F(Tool, ViewersNeitherDelayNorCrashARun) {
   ASSERT_NE(json, std::string::npos) << all.output;
   const Json seen = Json::parse(all.output.substr(json, all.output.find('\n', json) - json));
   EXPECT_GT(seen.at("topics").at("/pose"), 50) << seen;  // of ten seconds at 15 Hz
-}
-
-TEST_F(Tool, ComparesVariantsAndOtherEstimates) {
-  const std::string tum = file("other.tum");
-  rio("replay " + flight_ + " --no-check --out " + tum);
-  const std::string page = file("compare.html");
-  rio("compare " + flight_ + " " + tum +
-          " --vary update.max_landmarks=5,40 --backend ekf --report " + page,
-      {"| ekf update.max_landmarks=5 |", "| ekf update.max_landmarks=40 |", "| other |"});
-  const Json data = data_of(page);
-  for (const Json& plot : data.at("plots")) {  // a run has one colour in all plots
-    if (plot.at("title") == "Difference of position [m]") {
-      EXPECT_EQ(plot.at("curves").at(0).at("label"), "ekf update.max_landmarks=40");
-      EXPECT_EQ(plot.at("curves").at(0).at("index"), 1);
-    }
-  }
-  fs::create_directories(file("again"));
-  fs::copy_file(tum, file("again/other.tum"));
-  rio("compare " + tum + " " + file("again/other.tum"),
-      {"| " + fs::path(tum).parent_path().filename().string() + "/other |", "| again/other |"});
-  fs::create_directories(file("b/again"));
-  fs::copy_file(tum, file("b/again/other.tum"));
-  rio("compare " + file("again/other.tum") + " " + file("b/again/other.tum"),
-      {"| " + file("again/other.tum") + " |", "| " + file("b/again/other.tum") + " |"});
-  std::ofstream(file("strange.tum")) << "1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 1\n";
-  const std::string at_once =
-      fails(1, "compare " + flight_ + " --preset default,none", {"none"}).output;
-  EXPECT_EQ(at_once.find("default ..."), std::string::npos) << at_once;  // before the first flies
-  expect_none(
-      fails(1, "compare " + flight_ + " " RIO_SOURCE_DIR "/README.md", {"README.md"}).output,
-      {" ...\n"});
-  const std::string starts = "compare " + flight_ + " --init static --vary start.duration=";
-  rio(starts + "600,2", {"start.duration=600 is left out: no start", "| start.duration=2 |"});
-  fails(1, starts + "600", {"rio: no start: "});
-  rio("compare " + flight_ + " --vary 'radar.T_BS.translation=[0,0,0],[0.1,0,0]'",
-      {"| radar.T_BS.translation=[0,0,0] |", "| radar.T_BS.translation=[0.1,0,0] |"});
-  fails(1, "compare " + tum + " --preset default", {"need a recording among the runs"});
-  fails(1, "compare " + tum + " " + file("strange.tum"), {"no time in common: other is from "});
-  fails(1, "plot " + tum + " --out x.png", {"rsvg-convert"});
-  fails(1, "plot " + tum + " --out x.jpg", {"x.jpg: an SVG is drawn"});
 }
 
 }  // namespace
