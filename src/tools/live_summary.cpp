@@ -116,8 +116,8 @@ bool LiveSummary::conclude(const live::Session& session,
                                packets.damaged > kNearlyAll * packets.frames ||
                                replay_.updates == 0;
     if (packets.points == 0 || frames.used == 0 || (of_little_use && !problem.empty())) {
-      without_scans_ +=
-          fmt::format("{}radar {}: {}", without_scans_.empty() ? "" : "; ", r, problem);
+      replay_.without_scans +=
+          fmt::format("{}radar {}: {}", replay_.without_scans.empty() ? "" : "; ", r, problem);
     }
     radars_.push_back(radar);
   }

@@ -36,7 +36,7 @@ class LiveSummary : public live::Listener {
   const ReplaySummary& replay() const { return replay_; }
   const std::string& lost_because() const { return replay_.health.lost_because(); }
   /// Of each radar without usable scans, or few of many, and why; empty if all have them.
-  const std::string& without_scans() const { return without_scans_; }
+  const std::string& without_scans() const { return replay_.without_scans; }
 
  private:
   /// @param share 0.5 the median
@@ -59,7 +59,6 @@ class LiveSummary : public live::Listener {
 
   std::vector<Radar> radars_;
   Radar all_;  ///< their sums
-  std::string without_scans_;
   live::ImuCounters imu_;
   std::string imu_problem_;
   std::uint64_t odometry_sent_ = 0;

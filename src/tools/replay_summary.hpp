@@ -44,6 +44,7 @@ struct ReplaySummary {
   Time span{0};                ///< of the data fed
   Time wall{0};                ///< spent in the estimator
   Counters counters;
+  std::string without_scans;  ///< of rio live: each radar without usable scans, or few, and why
   std::optional<AuxiliaryEstimate<HeightOffset>> height_offset;  ///< with a barometer, at the end
   HealthLog health;
   std::optional<check::Findings> data;  ///< of `rio check`, not ok; empty if not requested

@@ -35,6 +35,7 @@ void fill_card(const ReplaySummary& summary, view::Page* page) {
        fmt::format("{:.3f} m", (summary.last_position - summary.first_position).norm())}};
   card.insert(card.end(), page->card.begin(), page->card.end());
   card.push_back({"Start", summary.initialised_by});
+  if (!summary.without_scans.empty()) card.push_back({"Scans", summary.without_scans});
   if (summary.wall > Time{0}) {
     card.push_back({"Real-time factor",
                     fmt::format("{:.0f} x", to_seconds(summary.span) / to_seconds(summary.wall))});

@@ -17,7 +17,8 @@ namespace rio::view {
 
 namespace {
 
-constexpr double kRateBin = 0.05;  // of a radar without a grid [m/s]
+constexpr double kRateBin = 0.05;                             // of a radar without a grid [m/s]
+constexpr Time kTruthEnds = std::chrono::milliseconds(1500);  // before the estimate does
 
 void set_vector(Columns* columns, const std::string& name, const Vector3d& value,
                 const Vector3d& sigma, double scale = 1.0) {
@@ -45,6 +46,7 @@ void ReportBuilder::add(const Odometry& odometry) {
   const NavState& x = odometry.at_scan();
   if (!begun_) page_.begin = start_.begin.value_or(x.time);
   begun_ = true;
+  last_time_ = x.time;
   const double seconds = to_seconds(x.time - page_.begin);
   page_.columns.start_row(seconds);
   page_.paths.front().add(seconds, x.p_WB, x.q_WB);
@@ -225,6 +227,10 @@ void ReportBuilder::close() {
   const double percent = 100.0 * last_error_ / truth_length_;
   std::string end = fmt::format("{:.3f} m", last_error_);
   if (truth_length_ > 0.0) end += fmt::format(", {:.2f} % of {:.1f} m", percent, truth_length_);
+  if (last_time_ - error_time_ > kTruthEnds) {
+    end +=
+        fmt::format(", at {:.1f} s: there the truth ends", to_seconds(error_time_ - page_.begin));
+  }
   page_.card.push_back({"Error at the end", end});
   page_.card.push_back(
       {"Position error (RMSE)",

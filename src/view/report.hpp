@@ -45,7 +45,8 @@ class ReportBuilder : public RunSink {
   std::optional<Pose> over_;    ///< lays the truth over the estimate
   Vector3d last_truth_ = Vector3d::Zero();
   double truth_length_ = 0.0;      ///< [m]
-  Time error_time_ = Time::min();  ///< of the newest one
+  Time last_time_{0};              ///< of the newest estimate
+  Time error_time_ = Time::min();  ///< of the newest one with an error
   double last_error_ = 0.0;        ///< [m]
   double squares_ = 0.0;           ///< of the position errors before it [m^2]
   std::size_t instants_ = 0;       ///< with a position error

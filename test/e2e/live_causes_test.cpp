@@ -112,8 +112,10 @@ TEST_F(LiveCauses, SaysOfEachRadarWhyThereAreNoScans) {
                               " --patience 0";
   const std::string causes[] = {"packets of SDK 1 or 2, which are not read: load a demo of SDK",
                                 "no packets, but text: this is the CLI port"};
-  fails(1, command + " >" + file("summary"), {"radar 0: " + causes[0], "radar 1: " + causes[1]});
+  fails(1, command + " --report " + file("page.html") + " >" + file("summary"),
+        {"radar 0: " + causes[0], "radar 1: " + causes[1]});
   expect_parts(dir_->read("summary"), {causes[0], causes[1]});
+  expect_parts(dir_->read("page.html"), {"<dt>Scans</dt><dd>radar 0: " + causes[0], causes[1]});
   const Json radars = fails(1, command + " --json 2>/dev/null", {}).json()["live"]["radars"];
   ASSERT_EQ(radars.size(), 2U);
   EXPECT_EQ(radars[0]["other_firmware"], 9);

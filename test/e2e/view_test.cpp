@@ -106,8 +106,24 @@ TEST_F(Tool, ThePageIsWholeAndShowsWhatItSays) {
   EXPECT_LT(fs::file_size(page), 10'000'000U);
   const std::string text = text_of(page);
   expect_parts(text, {"class='verdict healthy'", "Error at the end"});
-  expect_none(text, {"src='http"});
+  expect_none(text, {"src='http", "the truth ends"});
   look_at(page, "rio-report", run.output);
+}
+
+TEST_F(Tool, ThePageSaysWhereTheTruthEnds) {
+  const std::string csv = "state_groundtruth_estimate0/data.csv";
+  const std::string rows = std::to_string(lines_of(fs::path(flight_) / csv).size() / 2);
+  const std::string half = changed("half_a_truth", csv, "if (NR > " + rows + ") exit");
+  const std::string page = file("half.html");
+  rio("replay " + half + " --no-check --report " + page);
+  const std::vector<float> error = column_of(data_of(page), "e.x");
+  const std::vector<float> time = column_of(data_of(page), "t");
+  std::size_t last = error.size() - 1;
+  while (!std::isfinite(error[last])) --last;
+  std::ostringstream end;
+  end << ", at " << std::fixed << std::setprecision(1) << time[last] << " s: there the truth ends";
+  EXPECT_LT(time[last], 0.6 * time.back());
+  expect_parts(text_of(page), {end.str()});
 }
 
 TEST_F(Tool, ThePageShowsWhatIsEstimated) {
