@@ -41,6 +41,20 @@ TEST_F(Tool, ComparesTheFilesOfViewers) {
   fails(1, "compare " + mcap + " --preset default", {"need a recording among the runs"});
 }
 
+TEST_F(Tool, RunsOfDifferentLengthAreComparedAtTheirLastCommonTime) {
+  const std::string tum = file("long.tum");
+  rio("replay " + flight_ + " --no-check --out " + tum);
+  const std::vector<std::string> rows = lines_of(tum);
+  std::ofstream half(file("short.tum"));
+  for (std::size_t i = 0; i < rows.size() / 2; ++i) half << rows[i] << '\n';
+  half.close();
+  const std::string table = rio("compare " + tum + " " + file("short.tum")).output;
+  std::istringstream line(table.substr(table.find("| short |")));
+  std::string cell;
+  for (int i = 0; i < 5; ++i) std::getline(line, cell, '|');
+  EXPECT_EQ(cell, " 0.000 ") << table;
+}
+
 TEST_F(Tool, ComparedRunsHaveNamesOfTheirOwn) {
   const auto copy_of = [](const std::string& folder, const std::string& tum) {
     fs::create_directories(file(folder));

@@ -40,6 +40,20 @@ std::vector<std::map<std::string, std::string>> table(const fs::path& file) {
   return rows;
 }
 
+/// The way through the positions of a trajectory [m].
+double length_of(const fs::path& tum) {
+  double length = 0.0;
+  std::vector<double> last;
+  for (const std::string& line : lines_of(tum)) {
+    std::istringstream in(line);
+    std::vector<double> row(4);
+    for (double& value : row) in >> value;
+    if (!last.empty()) length += std::hypot(row[1] - last[1], row[2] - last[2], row[3] - last[3]);
+    last = row;
+  }
+  return length;
+}
+
 /// The float32 values of a column of a page.
 std::vector<float> column_of(const Json& data, const std::string& name) {
   const TempDir dir;
@@ -155,8 +169,10 @@ TEST_F(Tool, ThePageShowsWhatIsEstimated) {
 TEST_F(Tool, ThePageShowsTheCalibrationOfEachRadarWithoutGaps) {
   const std::string folder = file("two");
   rio("simulate " + folder + " --seed 3 --length 20 --radars 2");
-  rio("replay " + folder + " --no-check --out " + file("two.tum") + " --report " +
-      file("two.html"));
+  const Json run = rio("replay " + folder + " --no-check --json --out " + file("two.tum") +
+                       " --report " + file("two.html"))
+                       .json();
+  EXPECT_NEAR(run.at("path_length_m").get<double>(), length_of(file("two.tum")), 1e-3);
   std::ostringstream rmse;  // a pose each instant, as in the trajectory
   rmse << std::fixed << std::setprecision(3) << path_error(folder, file("two.tum"));
   expect_parts(text_of(file("two.html")),
