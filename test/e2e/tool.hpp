@@ -144,6 +144,12 @@ class Tool : public testing::Test {
     return folder.string();
   }
 
+  /// A copy with the first half of the rows of a file.
+  static std::string halved(const std::string& name, const std::string& csv) {
+    const std::size_t rows = lines_of(fs::path(flight_) / csv).size() / 2;
+    return changed(name, csv, "if (NR > " + std::to_string(rows) + ") exit");
+  }
+
   inline static TempDir* dir_ = nullptr;
   inline static std::string flight_;
 };

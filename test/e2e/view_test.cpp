@@ -125,9 +125,7 @@ TEST_F(Tool, ThePageIsWholeAndShowsWhatItSays) {
 }
 
 TEST_F(Tool, ThePageSaysWhereTheTruthEnds) {
-  const std::string csv = "state_groundtruth_estimate0/data.csv";
-  const std::string rows = std::to_string(lines_of(fs::path(flight_) / csv).size() / 2);
-  const std::string half = changed("half_a_truth", csv, "if (NR > " + rows + ") exit");
+  const std::string half = halved("half_a_truth", "state_groundtruth_estimate0/data.csv");
   const std::string page = file("half.html");
   rio("replay " + half + " --no-check --report " + page);
   const std::vector<float> error = column_of(data_of(page), "e.x");
@@ -164,6 +162,15 @@ TEST_F(Tool, ThePageShowsWhatIsEstimated) {
       EXPECT_LT(line, plot.at("range").at(1));
     }
   }
+}
+
+TEST_F(Tool, ThePageShowsEventsAfterTheLastScan) {
+  const std::string silent = halved("silent", "radar0/data.csv");
+  const std::string page = file("silent.html");
+  const Outcome run = rio("replay " + silent + " --no-check --report " + page);
+  const Json data = data_of(page);
+  EXPECT_GT(data.at("events").back().at("t").get<float>(), column_of(data, "t").back());
+  look_at(page, "rio-silent", run.output);
 }
 
 TEST_F(Tool, ThePageShowsTheCalibrationOfEachRadarWithoutGaps) {
@@ -282,6 +289,7 @@ TEST_F(Tool, ViewersNeitherDelayNorCrashARun) {
   ASSERT_NE(json, std::string::npos) << all.output;
   const Json seen = Json::parse(all.output.substr(json, all.output.find('\n', json) - json));
   EXPECT_GT(seen.at("topics").at("/pose"), 50) << seen;  // of ten seconds at 15 Hz
+  EXPECT_EQ(seen.at("topics").at("/truth"), 1) << seen;  // sent once, before a viewer came
 }
 
 }  // namespace

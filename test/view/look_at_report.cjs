@@ -89,6 +89,7 @@ async function main() {
   await page.click("#whole");
   await page.waitForTimeout(300);
   if ((await labels()).slice(0, hairCount).join() !== wide.slice(0, hairCount).join()) fail("the zoom does not end");
+  if (await page.$("#strip button[hidden]")) fail("an event is not in the whole run");
 
   // arrow keys move the cursor wherever one is, and only there where they do nothing else
   const time = () => page.textContent("#now");
