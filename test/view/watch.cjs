@@ -13,10 +13,10 @@ const [port, how] = process.argv.slice(2);
 function connect(tries = 100) {
   const socket = new WebSocket(`ws://127.0.0.1:${port}`, [FoxgloveClient.SUPPORTED_SUBPROTOCOL]);
   socket.on("error", () => (tries > 0 ? setTimeout(() => connect(tries - 1), 100) : process.exit(1)));
-  socket.on("open", () => ({ watch, stall, hostile })[how](socket));
+  socket.on("open", () => ({ watch, stall, hostile })[how](socket, tries));
 }
 
-function watch(socket) {
+function watch(socket, tries) {
   const client = new FoxgloveClient({ ws: socket });
   socket.onopen?.({});
   const readers = new Map();
@@ -35,6 +35,7 @@ function watch(socket) {
     topics[topic] = (topics[topic] ?? 0) + 1;
   });
   client.on("close", () => {
+    if (!info && tries > 0) return setTimeout(() => connect(tries - 1), 100); // the places are taken
     console.log(JSON.stringify({ name: info?.name, topics }));
     process.exit(0);
   });
