@@ -2,7 +2,6 @@
 // Which plots the page about one run has.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -10,7 +9,7 @@
 
 namespace rio::view {
 
-inline constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
+inline constexpr const char* kAxes[] = {"x", "y", "z"};
 
 /// Over columns that ReportBuilder fills. A sigma has the name of its column with an s before it. A
 /// plot without its columns is left out.
