@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -102,7 +104,15 @@ bool is_recording(const std::string& path) {
   return false;
 }
 
-std::vector<Run> runs_of(const CompareArguments& arguments) {
+/// Of the runs, those that are to be flown.
+using Recordings = std::set<std::string>;
+Recordings recordings_of(const std::vector<std::string>& runs) {
+  Recordings recordings;
+  std::copy_if(runs.begin(), runs.end(), std::inserter(recordings, recordings.end()), is_recording);
+  return recordings;
+}
+
+std::vector<Run> runs_of(const CompareArguments& arguments, const Recordings& recordings) {
   std::vector<Run> runs;
   std::string failed;  // why the last one did
   const auto variants = variants_of(arguments);
@@ -112,30 +122,27 @@ std::vector<Run> runs_of(const CompareArguments& arguments) {
   }
   std::map<std::string, eval::Trajectory> files;
   for (const std::string& path : arguments.runs) {
-    if (!is_recording(path)) files[path] = path_of(path, {});
+    if (recordings.count(path) == 0) files[path] = path_of(path, {});
   }
-  const bool any = std::any_of(arguments.runs.begin(), arguments.runs.end(), is_recording);
   const EstimatorArguments& given = arguments.estimator;
   const bool flies = !variants.front().first.empty() || !given.config.empty() ||
                      !given.set.empty() || !arguments.init.empty() ||
                      arguments.how != RecordingArguments{};
-  if (!any && flies) {
+  if (recordings.empty() && flies) {
     throw std::runtime_error(
         "presets, back-ends, settings, starts and sensors need a recording among the runs");
   }
   const std::vector<std::string> labels = default_labels(arguments.runs);
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const std::string& path = arguments.runs[i];
-    if (!is_recording(path)) {
+    if (recordings.count(path) == 0) {
       runs.push_back({labels[i], files[path], {}, {}});
       continue;
     }
     for (const auto& [variant, estimator] : variants) {
-      const bool alone =
-          std::count_if(arguments.runs.begin(), arguments.runs.end(), is_recording) == 1;
-      const std::string name = variant.empty() ? labels[i]
-                               : alone         ? variant
-                                               : labels[i] + " " + variant;
+      const std::string name = variant.empty()          ? labels[i]
+                               : recordings.size() == 1 ? variant
+                                                        : labels[i] + " " + variant;
       fmt::print(stderr, "{} ...\n", name);
       try {
         runs.push_back(replay_of(arguments, path, name, estimator));
@@ -150,12 +157,12 @@ std::vector<Run> runs_of(const CompareArguments& arguments) {
 }
 
 /// The given truth, or that of the first recording that has one.
-eval::Trajectory common_truth(const CompareArguments& arguments) {
+eval::Trajectory common_truth(const CompareArguments& arguments, const Recordings& recordings) {
   if (!arguments.truth.empty())
     return path_of(arguments.truth, arguments.truth_topic, io::Attitude::kOptional);
   std::string why;
   for (const std::string& path : arguments.runs) {
-    if (!is_recording(path)) continue;
+    if (recordings.count(path) == 0) continue;
     try {
       return path_of(path, arguments.truth_topic, io::Attitude::kOptional);
     } catch (const std::runtime_error& error) {
@@ -221,8 +228,9 @@ void compare(const CompareArguments& arguments) {
   inputs.push_back(arguments.truth);
   protect_inputs(inputs, {arguments.report});
   expect_folder(arguments.report);
-  const eval::Trajectory truth = common_truth(arguments);
-  std::vector<Run> runs = runs_of(arguments);
+  const Recordings recordings = recordings_of(arguments.runs);
+  const eval::Trajectory truth = common_truth(arguments, recordings);
+  std::vector<Run> runs = runs_of(arguments, recordings);
   std::vector<NamedPath> paths;
   for (const Run& run : runs) paths.emplace_back(run.name, run.poses);
   if (!truth.empty()) paths.emplace_back("the truth", truth);
