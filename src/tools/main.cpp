@@ -173,6 +173,7 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   const auto failed = [](const std::exception& error, int status) {
+    (void)std::fflush(stdout);  // what was said before stands before it
     std::fprintf(stderr, "rio: %s\n", error.what());
     return status;
   };

@@ -123,6 +123,9 @@ TEST_F(LiveCauses, SaysOfEachRadarWhyThereAreNoScans) {
     const std::string problem = radars[r]["problem"];
     EXPECT_TRUE(problem.starts_with(causes[r])) << problem;
   }
+  // the error does not stand within a line, in a pipe of both
+  const std::string all = fails(1, command + " --json", {}).output;
+  EXPECT_LT(all.rfind('}'), all.find("rio: radar 0: "));
 }
 
 /// What comes instead of samples from the port of the IMU.
