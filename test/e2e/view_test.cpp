@@ -165,8 +165,8 @@ TEST_F(Tool, ThePageShowsWhatIsEstimated) {
 }
 
 TEST_F(Tool, ThePageShowsEventsAfterTheLastScan) {
-  const std::string silent = halved("silent", "radar0/data.csv");
-  const std::string page = file("silent.html");
+  const std::string silent = halved("silent_half", "radar0/data.csv");
+  const std::string page = file("silent_half.html");
   const Outcome run = rio("replay " + silent + " --no-check --report " + page);
   const Json data = data_of(page);
   EXPECT_GT(data.at("events").back().at("t").get<float>(), column_of(data, "t").back());
