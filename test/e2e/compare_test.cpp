@@ -18,7 +18,8 @@ TEST_F(Tool, ComparesVariantsAndOtherEstimates) {
   rio("compare " + flight_ + " " + tum +
           " --vary update.max_landmarks=5,40 --backend ekf --report " + page,
       {"| ekf update.max_landmarks=5 |", "| ekf update.max_landmarks=40 |", "| other |"});
-  for (const Json& plot : data_of(page).at("plots")) {  // a run has one colour in all plots
+  const Json data = data_of(page);
+  for (const Json& plot : data.at("plots")) {  // a run has one colour in all plots
     if (plot.at("title") == "Difference of position [m]") {
       EXPECT_EQ(plot.at("curves").at(0).at("label"), "ekf update.max_landmarks=40");
       EXPECT_EQ(plot.at("curves").at(0).at("index"), 1);
