@@ -80,7 +80,8 @@ void read_matrix(const py::array& points, RadarScan* scan) {
 void read_fields(const py::array& points, RadarScan* scan) {
   if (points.ndim() != 1) throw py::value_error("points: one row of records is expected");
   std::vector<std::string> names;
-  for (const py::handle name : points.dtype().attr("names")) names.push_back(py::str(name));
+  const py::object columns = points.dtype().attr("names");
+  for (const py::handle name : columns) names.push_back(py::str(name));
   for (const std::string& name : names) {
     if (std::find(kColumns.begin(), kColumns.end(), name) == kColumns.end()) {
       throw py::value_error("points: unknown field \"" + name + "\"");
