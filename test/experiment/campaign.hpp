@@ -97,9 +97,7 @@ using Outcomes = std::vector<Outcome>;
 struct Settings {
   int seeds = 0;  ///< flights of a kind; 0 = the default of the experiment
   int threads = 2;
-  std::string data{};     ///< folder of the recordings, for experiments on real ones
-  double hours = 24.0;    ///< of flight, for `soak`
-  bool smoother = false;  ///< the back-end of `soak`
+  std::string data{};  ///< folder of the recordings, for experiments on real ones
   OnProgress on_progress{};
   std::string dataset{};  ///< name of the data set, for `benchmark`
 

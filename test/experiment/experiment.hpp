@@ -25,7 +25,6 @@ struct Result {
 // throw std::runtime_error without Settings::data.
 Result icra2023(const Settings& settings);
 Result iros2024(const Settings& settings);
-Result uncertainty(const Settings& settings);
 Result consistency(const Settings& settings);
 Result ablation(const Settings& settings);
 Result ablation_real(const Settings& settings);
@@ -35,7 +34,6 @@ Result real(const Settings& settings);
 Result control(const Settings& settings);
 Result benchmark(const Settings& settings);  ///< bags of Settings::dataset, and folders
 Result checks(const Settings& settings);     ///< Settings::data may be empty
-Result soak(const Settings& settings);
 
 struct Experiment {
   const char* name;
@@ -46,7 +44,6 @@ struct Experiment {
 inline constexpr Experiment kExperiments[] = {
     {"icra2023", "the tables of Michalczyk et al. 2023: accuracy, contributions, time", &icra2023},
     {"iros2024", "filter and sliding window: accuracy, wrong start, time", &iros2024},
-    {"uncertainty", "Xu et al.: weights and matching by the noise of each point", &uncertainty},
     {"consistency", "NEES and NIS over matched runs, with their bounds", &consistency},
     {"ablation", "the default preset with one mechanism off at a time", &ablation},
     {"ablation-real", "the same on the recordings of --data", &ablation_real},
@@ -56,7 +53,6 @@ inline constexpr Experiment kExperiments[] = {
     {"control", "real drives with one cause of error at a time: whose error is it?", &control},
     {"benchmark", "every recording below --data: ATE, RPE, NEES, time, verdict", &benchmark},
     {"checks", "what `rio check` says of faults in flights and in recordings of --data", &checks},
-    {"soak", "a flight of --hours in one go: what grows, drifts or depends on the order", &soak},
 };
 
 }  // namespace rio::experiment

@@ -34,7 +34,6 @@ using rio::tools::write_text;
 struct Arguments {
   std::string name;
   Settings settings;
-  std::string backend = "ekf";
   std::string out = "out";
   std::string update;
 };
@@ -88,7 +87,6 @@ void run_experiment(const Arguments& arguments, const std::string& name = {}) {
   {
     rio::tools::Progress progress(true, name);
     Settings settings = arguments.settings;
-    settings.smoother = arguments.backend == "smoother";
     settings.on_progress = [&](std::size_t done, std::size_t total) { progress.show(done, total); };
     result = chosen->run(settings);
   }
@@ -153,12 +151,6 @@ int run(int argc, char** argv) {
       "folder of recordings, for `real`, `control`, `ablation-real`, `benchmark`, `checks`");
   app.add_option("--dataset", arguments.settings.dataset,
                  "public data set of the bags, for `benchmark`, as of `rio replay`");
-  app.add_option("--hours", arguments.settings.hours, "of flight, for `soak`")
-      ->check(CLI::Range(0.01, 1000.0))
-      ->capture_default_str();
-  app.add_option("--backend", arguments.backend, "for `soak`")
-      ->check(CLI::IsMember({"ekf", "smoother"}))
-      ->capture_default_str();
   app.add_option("--out", arguments.out, "folder for report, data and charts")
       ->capture_default_str();
   app.add_option(

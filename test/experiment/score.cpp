@@ -21,21 +21,6 @@ double mean_nis(const Trial& trial, Model model) {
   return sum.rows_used == 0 ? eval::kNan : sum.nis / sum.rows_used;
 }
 
-/// From each pose to the next. An absolute error of these is (E2): the rotation of the true step
-/// does not change its norms.
-std::vector<eval::PosePair> steps_of(const std::vector<eval::PosePair>& pairs) {
-  const auto step = [](const eval::StampedPose& from, const eval::StampedPose& to) {
-    const Quaternion back = from.q.conjugate();
-    return eval::StampedPose{to.time, back * (to.p - from.p), back * to.q};
-  };
-  std::vector<eval::PosePair> steps;
-  for (std::size_t i = 1; i < pairs.size(); ++i) {
-    steps.push_back(
-        {step(pairs[i - 1].truth, pairs[i].truth), step(pairs[i - 1].estimate, pairs[i].estimate)});
-  }
-  return steps;
-}
-
 }  // namespace
 
 Score score(const Trial& trial) {
@@ -62,12 +47,7 @@ Score score(const Trial& trial) {
   s.drift = eval::final_drift(pairs);
   s.mae = eval::norm_of_mae(pairs);
   s.mae_at_127 = eval::norm_of_mae(pairs, kMaeDistance);
-  const eval::AbsoluteError absolute = eval::absolute_error(pairs);
-  s.ape = absolute.translation.rmse;
-  s.ape_angle = absolute.rotation.rmse;
-  const eval::AbsoluteError relative = eval::absolute_error(steps_of(pairs));
-  s.rpe = relative.translation.rmse;
-  s.rpe_angle = relative.rotation.rmse;
+  s.ape = eval::absolute_error(pairs).translation.rmse;
   s.heading = eval::yaw_errors(pairs).rmse;
   s.velocity = std::sqrt(squares);
   s.nis_doppler = mean_nis(trial, Model::kDoppler);

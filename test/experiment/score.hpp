@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The figures of one trial. Estimate and truth share the world frame: nothing is aligned.
 //
-// (E1) APE = RMSE of |p_est - p_true| and of the angle of R_est R_true^T
-// (E2) RPE = RMSE of the same two of the steps T_i^-1 T_i+1, from one scan to the next
-// Reference: M. Grupp, evo, 2017; Sturm et al., 2012.
+// APE = RMSE of |p_est - p_true| (M. Grupp, evo, 2017; Sturm et al., 2012).
 #pragma once
 
 #include <array>
@@ -33,10 +31,7 @@ struct Score {
   double nis_positions = 0.0;  ///< same, landmarks measured as positions
   double nis_landmarks = 0.0;  ///< same, ranges
   double mae_at_127 = 0.0;     ///< norm of MAE over the first 127 m [m]
-  double ape = 0.0;            ///< (E1), also the norm of RMSE of the position [m]
-  double ape_angle = 0.0;      ///< (E1) [deg]
-  double rpe = 0.0;            ///< (E2) [m]
-  double rpe_angle = 0.0;      ///< (E2) [deg]
+  double ape = 0.0;            ///< also the norm of RMSE of the position [m]
 };
 using Scores = std::vector<Score>;
 
@@ -68,9 +63,6 @@ inline constexpr std::array kFigures = {
     Figure{"nis_positions", "", &Score::nis_positions},
     Figure{"mae_at_127", "m", &Score::mae_at_127},
     Figure{"ape", "m", &Score::ape},
-    Figure{"ape_angle", "deg", &Score::ape_angle},
-    Figure{"rpe", "m", &Score::rpe},
-    Figure{"rpe_angle", "deg", &Score::rpe_angle},
 };
 
 }  // namespace rio::experiment

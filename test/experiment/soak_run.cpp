@@ -6,9 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <deque>
 #include <fstream>
-#include <future>
 #include <stdexcept>
 
 #include "experiment/soak_flight.hpp"
@@ -21,57 +19,6 @@
 namespace rio::experiment {
 
 namespace {
-
-/// The sensors of an endless flight. Another thread simulates the next second while this one is
-/// flown: the simulation takes half of the time.
-class SensorsAhead {
- public:
-  explicit SensorsAhead(const sim::Scenario& scenario) : flight_(scenario) { simulate_next(); }
-
-  ImuSample next_imu() { return taken(imu_); }
-  Time next_scan_time() { return first(scans_).time; }
-  RadarScan next_scan() { return taken(scans_); }
-
- private:
-  struct Second {
-    std::vector<ImuSample> imu;
-    std::vector<RadarScan> scans;
-  };
-
-  void simulate_next() {
-    next_ = std::async(std::launch::async, [this] {
-      Second second;
-      const Time end = flight_.next_scan_time() + std::chrono::seconds(1);
-      while (flight_.next_scan_time() < end) second.scans.push_back(flight_.next_scan());
-      do {
-        second.imu.push_back(flight_.next_imu());
-      } while (second.imu.back().time < end);
-      return second;
-    });
-  }
-
-  template <class Measurement>
-  Measurement& first(std::deque<Measurement>& waiting) {
-    while (waiting.empty()) {
-      const Second second = next_.get();
-      simulate_next();
-      imu_.insert(imu_.end(), second.imu.begin(), second.imu.end());
-      scans_.insert(scans_.end(), second.scans.begin(), second.scans.end());
-    }
-    return waiting.front();
-  }
-  template <class Measurement>
-  Measurement taken(std::deque<Measurement>& waiting) {
-    Measurement one = std::move(first(waiting));
-    waiting.pop_front();
-    return one;
-  }
-
-  EndlessFlight flight_;
-  std::deque<ImuSample> imu_;
-  std::deque<RadarScan> scans_;
-  std::future<Second> next_;  ///< last: it is waited for before the flight ends
-};
 
 /// Memory of this process [MB]; 0 if unknown.
 double resident_megabytes() {
@@ -95,14 +42,8 @@ Time ahead(Interleaving interleaving) {
   return interleaving == Interleaving::kLate ? milliseconds(-100) : milliseconds(0);
 }
 
-/// Norm of an error and its NEES over its dimension.
-struct Error {
-  double norm = 0.0;
-  double nees = 0.0;
-};
-
-/// Of the direction of gravity, in two perpendicular axes [rad].
-Error tilt_of(const eval::BodyError& e, const NavState& estimate, const BodyCovariance& P) {
+/// NEES of the direction of gravity over its two dimensions.
+double nees_of_tilt(const eval::BodyError& e, const NavState& estimate, const BodyCovariance& P) {
   const Vector3d up = estimate.q_WB.conjugate() * Vector3d::UnitZ();
   Eigen::Matrix<double, 2, 3> across;
   across.row(0) = up.unitOrthogonal();
@@ -110,18 +51,18 @@ Error tilt_of(const eval::BodyError& e, const NavState& estimate, const BodyCova
   const Eigen::Vector2d error = across * e.segment<3>(body::kAttitude);
   const Eigen::Matrix2d covariance =
       across * P.block<3, 3>(body::kAttitude, body::kAttitude) * across.transpose();
-  return {error.norm(), eval::nees(error, covariance) / 2.0};
+  return eval::nees(error, covariance) / 2.0;
 }
 
-/// Of the velocity in body axes [m/s]: in world axes the unbounded drift of the heading rotates it
-/// beyond the linear range.
-Error velocity_of(const NavState& estimate, const NavState& truth, const BodyCovariance& P) {
+/// NEES of the velocity over its dimension, in body axes: in world axes the unbounded drift of the
+/// heading rotates it beyond the linear range.
+double nees_of_velocity(const NavState& estimate, const NavState& truth, const BodyCovariance& P) {
   const Vector3d v_B = estimate.q_WB.conjugate() * estimate.v_WB;
   const Vector3d error = v_B - truth.q_WB.conjugate() * truth.v_WB;
   Eigen::Matrix<double, 3, body::kSize> J = Eigen::Matrix<double, 3, body::kSize>::Zero();
   J.middleCols<3>(body::kAttitude) = skew(v_B);
   J.middleCols<3>(body::kVelocity) = estimate.q_WB.conjugate().toRotationMatrix();
-  return {error.norm(), eval::nees(error, J * P * J.transpose()) / 3.0};
+  return eval::nees(error, J * P * J.transpose()) / 3.0;
 }
 
 /// Mean (error / sigma)^2 of the parameters; the configured values are the true ones.
@@ -142,7 +83,6 @@ std::unique_ptr<Odometry> started(BackEnd backend, const NavState& start) {
   sensors.configured_T_BS = sensors.scenario.radar.T_BS;
   Options options = options_for(sensors, "default");
   options.backend = backend;
-  options.timing.clock = &steady_now;
   auto odometry = create_odometry(options);
   const BodyCovariance P0 = io::start_covariance(start.q_WB, options.start);
   if (odometry->reset(start, P0) != Status::kOk) throw std::runtime_error("no start");
@@ -157,35 +97,23 @@ void add_scan(const Odometry& odometry, const NavState& truth, SoakRow* row, Soa
   add_to_hash(P, &run->hash);
   const eval::BodyError e = eval::body_error(x, truth);
   run->finite = run->finite && e.allFinite() && P.allFinite();
-  const Vector3d position = e.segment<3>(body::kPosition);
-  const Matrix3d P_position = P.block<3, 3>(body::kPosition, body::kPosition);
-  const Error velocity = velocity_of(x, truth, P);
-  const Error tilt = tilt_of(e, x, P);
-  const UpdateReport& report = odometry.report();
-  const double took = to_seconds(report.propagation_time + report.update_time);
-  row->position_error = position;
-  row->position_sigma = std::sqrt(P_position.trace());
-  row->velocity_error = velocity.norm;
-  row->tilt_error = tilt.norm;
-  row->nees_position = eval::nees(position, P_position) / 3.0;
-  row->nees_velocity += velocity.nees;
-  row->nees_tilt += tilt.nees;
-  row->calibration += calibration_of(report);
+  row->position_error = e.segment<3>(body::kPosition);
+  row->position_sigma = std::sqrt(P.block<3, 3>(body::kPosition, body::kPosition).trace());
+  row->nees_velocity += nees_of_velocity(x, truth, P);
+  row->nees_tilt += nees_of_tilt(e, x, P);
+  row->calibration += calibration_of(odometry.report());
   row->asymmetry = std::max(row->asymmetry, (P - P.transpose()).cwiseAbs().maxCoeff());
   row->norm_error = std::max(row->norm_error, std::abs(x.q_WB.norm() - 1.0));
-  row->time_per_scan += took;
-  row->longest_scan = std::max(row->longest_scan, took);
 }
 
 }  // namespace
 
-SoakRun run_soak(const SoakSettings& settings, const std::function<void(const SoakRow&)>& each) {
+SoakRun run_soak(const SoakSettings& settings) {
   constexpr double kRest = 0.5;  // without a scan, so that the last one is processed [s]
   const Time begin = sim::Scenario{}.start;
   const Time end = begin + from_seconds(settings.seconds);
   const Time last_scan = end - from_seconds(kRest);
-  SensorsAhead sensors({.seed = settings.seed});
-  EndlessFlight flight({.seed = settings.seed});  // its truth
+  EndlessFlight flight({.seed = settings.seed});
   const auto odometry = started(settings.backend, flight.truth(begin));
   SoakRun run;
   SoakRow row;
@@ -203,23 +131,22 @@ SoakRun run_soak(const SoakSettings& settings, const std::function<void(const So
   };
   const bool imu_first = settings.interleaving == Interleaving::kImuFirst;
   for (Time now = begin; now < end;) {
-    const ImuSample sample = sensors.next_imu();
+    const ImuSample sample = flight.next_imu();
     now = sample.time;
     if (imu_first) give(sample);
-    while (sensors.next_scan_time() < std::min(last_scan, now + ahead(settings.interleaving))) {
+    while (flight.next_scan_time() < std::min(last_scan, now + ahead(settings.interleaving))) {
       ++run.scans;
-      (void)odometry->add_scan(sensors.next_scan());
+      (void)odometry->add_scan(flight.next_scan());
       look();
     }
     if (!imu_first) give(sample);
-    row.time = to_seconds(now - begin);
-    if (row.time < settings.every * static_cast<double>(run.rows.size() + 1)) continue;
+    if (to_seconds(now - begin) < settings.every * static_cast<double>(run.rows.size() + 1))
+      continue;
     row.resident = resident_megabytes();
-    for (double* sum : {&row.nees_velocity, &row.nees_tilt, &row.calibration, &row.time_per_scan}) {
+    for (double* sum : {&row.nees_velocity, &row.nees_tilt, &row.calibration}) {
       *sum /= static_cast<double>(seen - before);
     }
     run.rows.push_back(row);
-    if (each) each(row);
     row = {};
     before = seen;
   }

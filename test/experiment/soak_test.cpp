@@ -55,11 +55,8 @@ using Soak = test::BackEndTest;
 INSTANTIATE_TEST_SUITE_P(BackEnds, Soak, test::kBothBackEnds, test::back_end_name);
 
 TEST_P(Soak, NothingGrowsOrDrifts) {
-  const SoakSettings settings{.seconds = 60.0, .every = 20.0, .backend = GetParam()};
-  int rows = 0;
-  const SoakRun run = run_soak(settings, [&](const SoakRow&) { ++rows; });
+  const SoakRun run = run_soak({.backend = GetParam()});
   ASSERT_EQ(run.rows.size(), 3U);
-  EXPECT_EQ(rows, 3);
   EXPECT_TRUE(run.finite);
   EXPECT_GT(run.scans, 850U);
   EXPECT_EQ(run.counters.scans, run.scans);
