@@ -77,8 +77,13 @@ void WindowFactors::add(const Measured<M>& m, const LinearizationPoint& x,
     index.landmark = static_cast<int>(m.landmark);
     landmark_column = layout.column<Landmark>(index.landmark);
   }
-  const bool valid = models_.for_each_model(
-      m, [&](const auto& model, const auto& z) { return scan_.push(model, z, x, index); });
+  bool valid = scan_.push(models_.of<M>(), m.z, typename M::Blocks{}, x, index);
+  if constexpr (std::is_same_v<M, LandmarkPointModel>) {
+    using Doppler = LandmarkDopplerModel;
+    if (valid && m.doppler) {
+      valid = scan_.push(models_.of<Doppler>(), *m.doppler, Doppler::Blocks{}, x, index);
+    }
+  }
   if (!valid) return scan_.drop();
   scan_.close(m.weight, landmark_column);
 }
@@ -107,10 +112,11 @@ double WindowFactors::add_trail(std::size_t k, const Measured<TrailDistanceModel
   const LinearizationPoint x = point(window_[k], m.radar, estimate);
   row_.clear();
   row_.begin_block();
-  const bool valid = models_.for_each_model(m, [&]<class M>(const M& model, const auto& z) {
-    return linearize(model, z, typename M::Blocks{}, x, {past, 0}, layout_of(k, m.radar), &row_);
-  });
-  if (!valid) return 0.0;
+  using Trail = TrailDistanceModel;
+  if (!linearize(models_.of<Trail>(), m.z, Trail::Blocks{}, x, {past, 0}, layout_of(k, m.radar),
+                 &row_)) {
+    return 0.0;
+  }
   const LinearRow& row = row_.rows().front();
   const double size =
       options_.trail_kernel_size > 0.0 ? options_.trail_kernel_size : options_.kernel_size;

@@ -35,7 +35,7 @@ class ScanInformationTest : public testing::Test {
   }
   template <class M>
   void push(const M& model, const typename M::Measurement& z, int landmark_column = -1) {
-    ASSERT_TRUE(scan_.push(model, z, LinearizationPoint(x_), {0, 0}));
+    ASSERT_TRUE(scan_.push(model, z, typename M::Blocks{}, LinearizationPoint(x_), {0, 0}));
     scan_.close(1.0, landmark_column);
   }
   DopplerModel::Measurement doppler(int i) const {

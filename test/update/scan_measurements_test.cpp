@@ -68,26 +68,6 @@ TEST_F(ScanMeasurementsTest, TheLastLandmarkTakesThePlaceOfTheForgottenOne) {
   EXPECT_EQ(all_.of<TrailDistanceModel>().size(), 1U);
 }
 
-// A point and its Doppler are two models of one measurement.
-TEST_F(ScanMeasurementsTest, EveryModelOfAMeasurementIsCalledUntilOneIsOutOfItsDomain) {
-  const RadarModels models{UpdateOptions{}};
-  const auto calls = [&models](const auto& m, int valid) {
-    int count = 0;
-    const bool all = models.for_each_model(m, [&](const auto&, const auto&) {
-      ++count;
-      return count <= valid;
-    });
-    return std::pair{count, all};
-  };
-  Measured<LandmarkPointModel> m;
-  EXPECT_EQ(calls(m, 9), (std::pair{1, true}));
-  m.doppler = LandmarkDopplerModel::Measurement{};
-  EXPECT_EQ(calls(m, 9), (std::pair{2, true}));
-  EXPECT_EQ(calls(m, 1), (std::pair{2, false}));
-  EXPECT_EQ(calls(m, 0), (std::pair{1, false}));
-  EXPECT_EQ(calls(Measured<DopplerModel>{}, 9), (std::pair{1, true}));
-}
-
 constexpr double kForward = 2.0;  // of the radar along its boresight [m/s]
 
 /// A point ahead at `range`, with the range rate of a static one there plus `error`.

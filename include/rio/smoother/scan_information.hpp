@@ -34,18 +34,20 @@ class ScanInformation {
   void begin(const WindowLayout& layout);
 
   /// Adds rows of model M for z to the open measurement. False if x is outside its domain.
-  template <MeasurementModel M>
-  bool push(const M& model, const typename M::Measurement& z, const LinearizationPoint& x,
-            BlockIndex index) {
+  template <MeasurementModel M, class... B>
+  bool push(const M& model, const typename M::Measurement& z, BlockList<B...> blocks,
+            const LinearizationPoint& x, BlockIndex index) {
     if (rows_ + M::kDim > kCapacity) flush();
     Evaluation<M> e;
-    if (!evaluate_at(model, z, typename M::Blocks{}, x, index, &e)) return false;
-    if constexpr (M::kDim == 1) {
+    if (!model.evaluate(z, block_value<B>(x, index)..., e.r, &e.J, e.R)) return false;
+    if constexpr (M::kDim > 1) {
+      whiten(&e);
+    } else {
       const double scale = 1.0 / std::sqrt(e.R(0, 0));
       e.J *= scale;
       e.r *= scale;
     }
-    append<M::kDim>(e.J, e.r, typename M::Blocks{}, x);
+    append<M::kDim>(e.J, e.r, blocks, x);
     return true;
   }
 

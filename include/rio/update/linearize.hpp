@@ -123,17 +123,12 @@ auto state_rows(const JacobianOf<kDim, BlockList<B...>::kDof>& J, BlockList<B...
                            time_derivative<kDim>(J, blocks, x), layout.time_offset_column());
 }
 
-/// Evaluates model M for z at x; whitened if kDim > 1. False if x is outside its domain.
-template <MeasurementModel M, class... B>
-bool evaluate_at(const M& model, const typename M::Measurement& z, BlockList<B...> /*blocks*/,
-                 const LinearizationPoint& x, BlockIndex index, Evaluation<M>* e) {
-  if (!model.evaluate(z, block_value<B>(x, index)..., e->r, &e->J, e->R)) return false;
-  if constexpr (M::kDim > 1) {
-    const SmallCholesky<M::kDim> root(e->R);
-    e->r = root.whitened(e->r);
-    e->J = root.whitened(e->J);
-  }
-  return true;
+/// Divides by the root of R.
+template <class M>
+void whiten(Evaluation<M>* e) {
+  const SmallCholesky<M::kDim> root(e->R);
+  e->r = root.whitened(e->r);
+  e->J = root.whitened(e->J);
 }
 
 /// Appends model M's rows for z to the open block of `batch`; rows of more than one dimension are
@@ -143,7 +138,8 @@ bool linearize(const M& model, const typename M::Measurement& z, BlockList<B...>
                const LinearizationPoint& x, BlockIndex index, const LayoutT& layout,
                RowBatch* batch) {
   Evaluation<M> e;
-  if (!evaluate_at(model, z, blocks, x, index, &e)) return false;
+  if (!model.evaluate(z, block_value<B>(x, index)..., e.r, &e.J, e.R)) return false;
+  if constexpr (M::kDim > 1) whiten(&e);
   auto rows = state_rows<M::kDim>(e.J, blocks, x, index, layout);
   for (int i = 0; i < M::kDim; ++i) {
     LinearRow& row = rows[static_cast<std::size_t>(i)];

@@ -53,14 +53,9 @@ class RadarModels {
                 LandmarkDistanceModel(o.sigma_landmark_distance), {},
                 TrailDistanceModel(o.sigma_trail_distance), {}) {}
 
-  /// Calls add(model, z) for each model of the measurement; false as soon as one returns false.
-  template <class M, class Add>
-  bool for_each_model(const Measured<M>& m, const Add& add) const {
-    if (!add(std::get<M>(models_), m.z)) return false;
-    if constexpr (std::is_same_v<M, LandmarkPointModel>) {
-      return !m.doppler || add(std::get<LandmarkDopplerModel>(models_), *m.doppler);
-    }
-    return true;
+  template <class M>
+  const M& of() const {
+    return std::get<M>(models_);
   }
 
  private:

@@ -95,11 +95,17 @@ class ScanRows {
   /// Opens a block with the rows of a measurement. False: outside the domain of its model.
   template <class M>
   bool add_block(const Measured<M>& m, const Scan& scan, BlockIndex index = {}) {
+    const Layout& layout = scan.state_estimate.layout();
     batch_.begin_block();
-    return models_.for_each_model(m, [&]<class Own>(const Own& model, const auto& z) {
-      return linearize(model, z, typename Own::Blocks{}, scan.x, index,
-                       scan.state_estimate.layout(), &batch_);
-    });
+    if (!linearize(models_.of<M>(), m.z, typename M::Blocks{}, scan.x, index, layout, &batch_)) {
+      return false;
+    }
+    if constexpr (std::is_same_v<M, LandmarkPointModel>) {
+      using Doppler = LandmarkDopplerModel;
+      return !m.doppler || linearize(models_.of<Doppler>(), *m.doppler, Doppler::Blocks{}, scan.x,
+                                     index, layout, &batch_);
+    }
+    return true;
   }
 
   /// Gates the match of a landmark with a detection; keeps it if it passes.
