@@ -6,6 +6,7 @@
 #include <initializer_list>
 #include <utility>
 
+#include "rio/core/motion.hpp"
 #include "rio/core/so3.hpp"
 #include "rio/options.hpp"
 
@@ -174,7 +175,7 @@ void HealthMonitor::judge_sigmas(const Estimate& x, const BodyCovariance& P) {
   severity(HealthReason::kUncertainVelocity) = largest_sigma(P, body::kVelocity, 3) / kVelocity;
   severity(HealthReason::kUncertainHeading) = std::sqrt(attitude.heading) / kHeading;
   severity(HealthReason::kUncertainTilt) = std::sqrt(attitude.tilt) / kTilt;
-  severity(HealthReason::kTooFast) = x.nav.v_WB.squaredNorm() / (kFastest * kFastest);
+  severity(HealthReason::kTooFast) = x.nav.v_WB.squaredNorm() / (kFastestRobot * kFastestRobot);
 }
 
 void HealthMonitor::conclude() {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rio/core/motion.hpp"
 #include "rio/core/small_cholesky.hpp"
 #include "rio/core/so3.hpp"
 #include "rio/propagate/strapdown.hpp"
@@ -129,7 +130,8 @@ std::optional<TiltCheck::Fit> TiltCheck::fit_dopplers(Time now) const {
     h.tail<3>() -= T * U_v;
   }
   h = (kShare * root.solve(h)).eval();
-  const Matrix6d P = kRepetition * std::max(1.0, misfit) * root.inverse() + h * h.transpose();
+  const Matrix6d P =
+      kRepetitionInWindow * std::max(1.0, misfit) * root.inverse() + h * h.transpose();
   out.covariance = P.bottomRightCorner<3, 3>();
   out.velocity = {solution.topRows<3>().col(0), P.topLeftCorner<3, 3>()};
   out.slope = solution.bottomRightCorner<3, 4>();

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "rio/core/motion.hpp"
 #include "rio/core/random.hpp"
 #include "rio/core/small_cholesky.hpp"
 #include "rio/core/so3.hpp"
@@ -128,7 +129,7 @@ void VelocityCheck::complete(const Estimate& x) {
 }
 
 double VelocityCheck::sigma(const Row& row, double speed) const {
-  const double direction = row.sigma_direction * std::min(speed, kFastest);
+  const double direction = row.sigma_direction * std::min(speed, kFastestRobot);
   const double own = std::sqrt(row.sigma_doppler * row.sigma_doppler + direction * direction);
   return std::max(options_.frontend.ransac_threshold / 3.0, own) + drift_ / 3.0 * row.age;
 }
@@ -141,7 +142,7 @@ int VelocityCheck::count_support(const Vector3d& v) const {
 }
 
 double VelocityCheck::likelihood(const Vector3d& v, double needed) const {
-  const double speed = std::min(v.norm(), kFastest);
+  const double speed = std::min(v.norm(), kFastestRobot);
   const Columns& c = columns_;
   const RowArray own = (c.variance_doppler + speed * speed * c.variance_direction)
                            .sqrt()
@@ -168,7 +169,7 @@ double VelocityCheck::chance_share(const Vector3d& v, double sigma) const {
   double expected = 0.0;
   for (const Row& row : rows_) {
     const double bound = 3.0 * (this->sigma(row, speed) + sigma);
-    const double band = std::min(kChanceBand, row.fold.limit() - bound);
+    const double band = std::min(kPaceOfPeople, row.fold.limit() - bound);
     const double r = std::abs(residual(row, v));
     if (r < bound) {
       inside += 1.0;
@@ -186,11 +187,11 @@ bool VelocityCheck::search(const Vector3d& predicted, Time seed, Vector3d* best)
   double most = likelihood(*best);
   double rival = 0.0;
   const auto consider = [&](Vector3d v) {
-    if (v.norm() > kFastest) return;
+    if (v.norm() > kFastestRobot) return;
     double L = likelihood(v, kRivalRatio * most);
     if (L > kRivalRatio * most && (v - *best).norm() > apart) {  // another one, or does it scatter?
       v = local_maximum(v);
-      if (v.norm() > kFastest) return;
+      if (v.norm() > kFastestRobot) return;
       L = likelihood(v, kRivalRatio * most);
     }
     const bool far = (v - *best).norm() > apart;
@@ -257,8 +258,8 @@ std::optional<IndependentVelocity> VelocityCheck::refine(const Vector3d& v) cons
   const Matrix3d weakest = Matrix3d::Identity() / (kWeak * kWeak);
   if (!SmallCholesky<3>(A - weakest).positive()) return std::nullopt;  // an eigenvalue is less
   const Matrix3d inverse = A.inverse();
-  return IndependentVelocity{
-      v + inverse * b, kRepetition * inverse + kLeastSigma * kLeastSigma * Matrix3d::Identity()};
+  return IndependentVelocity{v + inverse * b, kRepetitionInWindow * inverse +
+                                                  kLeastSigma * kLeastSigma * Matrix3d::Identity()};
 }
 
 }  // namespace rio

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rio/core/motion.hpp"
 #include "rio/core/so3.hpp"
 
 namespace rio {
@@ -53,7 +54,7 @@ std::optional<RestModel::Measurement> RestDetector::observe(const DetectionList&
   settled_ = settled_ || to - *since_ > kSettled;
   const double noise = options_.imu.gyro_noise_density / std::sqrt(duration);
   const bool quiet = span.loudest < kQuiet;  // (E4)
-  return RestModel::Measurement{span.gyro_B, quiet ? kStandingVelocity : kTouchedVelocity,
+  return RestModel::Measurement{span.gyro_B, quiet ? kStandstillVelocity : kTouchedVelocity,
                                 quiet ? std::max(noise, kSmallestRate) : kUnknown};
 }
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "rio/core/motion.hpp"
+
 namespace rio {
 
 std::optional<Alignment> MovingStart::add(const ImuSample& sample) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/propagate/static_alignment.hpp"
 
+#include "rio/core/motion.hpp"
 #include "rio/core/so3.hpp"
 
 #include <algorithm>
@@ -154,7 +155,7 @@ Alignment StaticAligner::align(Time time, std::size_t n) const {
   P.block<3, 3>(kPosition, kPosition) =
       Matrix3d::Identity() * start_.sigma_position * start_.sigma_position;
   P.block<3, 3>(kVelocity, kVelocity) =
-      (kStillVelocity * kStillVelocity + sway) * Matrix3d::Identity();
+      (kStandstillVelocity * kStandstillVelocity + sway) * Matrix3d::Identity();
   return out;
 }
 

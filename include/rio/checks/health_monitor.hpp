@@ -86,7 +86,6 @@ class HealthMonitor {
   static constexpr double kVelocity = 0.5;  // [m/s]
   static constexpr double kHeading = 0.17;  // [rad]
   static constexpr double kTilt = 0.05;     // [rad]
-  static constexpr double kFastest = 30.0;  // [m/s]
   static constexpr double kClockSigmas = 5.0;
   static constexpr Time kClockStep = std::chrono::seconds(1);
   static constexpr std::size_t kClockSteps = 10;

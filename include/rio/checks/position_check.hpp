@@ -15,6 +15,8 @@
 // In the interval itself the health is degraded; after it only the covariance can tell.
 #pragma once
 
+#include "rio/core/motion.hpp"
+
 namespace rio {
 
 /// What casts doubt on an update; zeros if nothing does.
@@ -33,7 +35,7 @@ class PositionCheck {
   /// @param seconds since the update before
   /// @return (E2) if an interval has ended and left a noticeable one, otherwise 0 [m]
   double observe(const Doubt& doubt, double seconds) {
-    const double speed = doubt.contradiction + kPace * doubt.gated + doubt.sigma;  // (E1)
+    const double speed = doubt.contradiction + kPaceOfPeople * doubt.gated + doubt.sigma;  // (E1)
     distance_ += speed * seconds;
     if (speed > 0.0) return 0.0;
     const double distance = distance_;
@@ -42,7 +44,6 @@ class PositionCheck {
   }
 
  private:
-  static constexpr double kPace = 1.0;        // of people [m/s]
   static constexpr double kNoticeable = 0.3;  // landmarks are further apart and correct less [m]
 
   double distance_ = 0.0;

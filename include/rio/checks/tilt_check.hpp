@@ -15,7 +15,7 @@
 // (E3) D = g - g_estimated = g_estimated x theta - b, theta and b the errors of attitude and
 //      accelerometer bias
 // (E4) cov D = k A^-1 + h h^T + J P J^T + 6/5 q / T I + C Sigma C^T + m^2 I: the Dopplers, whose
-//      errors repeat from scan to scan; the error of Sigma_u, which is known to a share r; the
+//      errors repeat from scan to scan, k = kRepetitionInWindow; the error of Sigma_u, which is known to a share r; the
 //      state estimate, J of (E3); the integral of white noise of density q, fitted by a line over
 //      T; rotation and Doppler scale of the radar, C their effect on the slope; movers within the
 //      static set. With A of the least squares, the rows of g of
@@ -109,13 +109,11 @@ class TiltCheck {
   static constexpr std::size_t kMaxScans = 60;                        // at 30 Hz
   static constexpr Time kSpan = std::chrono::milliseconds(500);       // least, to fit a slope
   static constexpr Time kPatience = std::chrono::milliseconds(1000);  // people come and go
-  static constexpr double kSigmas = 4.0;  // three degrees of freedom: one window in nine hundred
-  static constexpr double kRepetition = 4.0;  // k of (E4): a reflector's rows repeat their error
-  static constexpr double kShare = 0.5;       // r of (E4): sigmas are known to a quarter
-  static constexpr double kMovers = 0.05;     // m of (E4): one row in twenty, walking [m/s^2]
-  static constexpr double kBadFit = 3.0;      // largest ratio of residual variance to expected
-  static constexpr double kWeak = 1.0;        // sigma in the worst direction [m/s^2]
-  static constexpr double kVelocityChange = 2.0;  // of a small robot in the window, sigma [m/s]
+  static constexpr double kSigmas = 4.0;   // three degrees of freedom: one window in nine hundred
+  static constexpr double kShare = 0.5;    // r of (E4): sigmas are known to a quarter
+  static constexpr double kMovers = 0.05;  // m of (E4): one row in twenty, walking [m/s^2]
+  static constexpr double kBadFit = 3.0;   // largest ratio of residual variance to expected
+  static constexpr double kWeak = 1.0;     // sigma in the worst direction [m/s^2]
 
   static constexpr double kMaxBias = 0.5;  // of an accelerometer [m/s^2]
 

@@ -16,8 +16,8 @@
 //      support v: log-likelihood relative to a Doppler uniform in +-v_r. With (E3) alone a fast
 //      velocity, whose large direction error explains anything, would win.
 // (E5) share of the rows supporting v that do so by chance: movers, ghosts and noise have about the
-//      same density [rows per m/s] beside the bound b of (E3) as inside it. With n rows up to h
-//      beyond the bound and m rows inside: n b / (h m)
+//      same density [rows per m/s] beside the bound b of (E3) as inside it. With n rows up to h,
+//      the pace of people, beyond the bound and m rows inside: n b / (h m)
 //
 // The hypotheses beside the state estimate's velocity are standstill and the solutions of triples
 // of rows, in all neighbouring folds, moved to the most likely velocity nearby: triples of one
@@ -153,11 +153,8 @@ class VelocityCheck {
   static constexpr double kLikelihoodRatio = 1.5;      // ratio of L
   static constexpr double kRivalRatio = 0.75;          // same
   static constexpr double kDrift = 0.2;         // least e of (E3): a degree, or a MEMS bias [m/s^2]
-  static constexpr double kChanceBand = 1.0;    // h of (E5): pace of people [m/s]
   static constexpr double kRange = 10.0;        // v_r where Dopplers do not fold [m/s]
-  static constexpr double kFastest = 30.0;      // no small robot is faster [m/s]
   static constexpr double kWeak = 1.0;          // sigma in the worst direction [m/s]
-  static constexpr double kRepetition = 4.0;    // rows of one reflector repeat their error
   static constexpr double kLeastSigma = 0.01;   // [m/s]
   static constexpr double kLeastVolume = 0.02;  // of three directions
   static constexpr int kClimb = 3;              // steps to the most likely velocity nearby

@@ -116,12 +116,11 @@ class RestDetector {
   static constexpr double kCalm = 5.0;  // a hand at rest on a table; in the air it is 15
   static constexpr double kVibration = 2.0;
   static constexpr double kQuiet = 2.0;
-  static constexpr double kGyroFloor = 5e-4;         // quantisation of a MEMS gyroscope [rad/s]
-  static constexpr double kAccelFloor = 5e-3;        // same, accelerometer [m/s^2]
-  static constexpr double kStandingVelocity = 0.01;  // sigma of the velocity at rest [m/s]
-  static constexpr double kTouchedVelocity = 0.05;   // same, while the body is touched [m/s]
-  static constexpr double kSmallestRate = 1e-5;      // least sigma of a mean rate [rad/s]
-  static constexpr double kUnknown = 10.0;           // sigma of a rate without information [rad/s]
+  static constexpr double kGyroFloor = 5e-4;        // quantisation of a MEMS gyroscope [rad/s]
+  static constexpr double kAccelFloor = 5e-3;       // same, accelerometer [m/s^2]
+  static constexpr double kTouchedVelocity = 0.05;  // same, while the body is touched [m/s]
+  static constexpr double kSmallestRate = 1e-5;     // least sigma of a mean rate [rad/s]
+  static constexpr double kUnknown = 10.0;          // sigma of a rate without information [rad/s]
 
   Options options_;
   std::array<bool, kMaxRadars> coarse_{};  ///< (E5) is tested, by radar

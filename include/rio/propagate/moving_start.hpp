@@ -31,8 +31,7 @@ class MovingStart {
   double force() const { return up_B_.norm(); }
 
  private:
-  static constexpr double kVelocity = 5.0;        // of a small robot: sigma per axis [m/s]
-  static constexpr double kVelocityChange = 2.0;  // its change over the duration, same [m/s]
+  static constexpr double kVelocity = 5.0;  // of a small robot: sigma per axis [m/s]
 
   StartOptions start_;
   double gravity_;

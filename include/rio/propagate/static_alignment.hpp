@@ -90,7 +90,6 @@ class StaticAligner {
 
   static constexpr double kGravitySpread = 0.02;  // [m/s^2]
   static constexpr double kGyroBiasFloor = 1e-4;  // instability of a MEMS gyro over minutes [rad/s]
-  static constexpr double kStillVelocity = 0.01;  // sigma at a standstill [m/s]
   /// Scatter of the means of the parts still accepted as a standstill: this share of the largest
   /// deviation of a sample, or so many sigmas of white noise.
   static constexpr double kSway = 0.1;
