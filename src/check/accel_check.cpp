@@ -69,10 +69,10 @@ Finding check_accel(const std::vector<ImuSample>& samples, const Rest& rest, Sou
                           f, rest.accel.x(), rest.accel.y(), rest.accel.z(), 100.0 * off)};
   if (off < 0.05) return out;
   if (off < 0.2) {
-    out.verdict = Verdict::kDoubtful;
-    out.change = rest.is_quiet(1.0)
-                     ? "calibrate the accelerometer: at rest its scale or bias is off"
-                     : "an accelerometer bias this large, or no moment of rest: begin at rest";
+    out.judge(Verdict::kDoubtful, "",
+              rest.is_quiet(1.0)
+                  ? "calibrate the accelerometer: at rest its scale or bias is off"
+                  : "an accelerometer bias this large, or no moment of rest: begin at rest");
     return out;
   }
   out.verdict = Verdict::kWrong;

@@ -114,11 +114,9 @@ void say_nothing_explains(const Judge& judge, double best, Finding* out) {
     out->text += ": the motion does not tell";
     return;
   }
-  out->verdict = Verdict::kDoubtful;
-  out->text += ": no mounting explains it";
-  out->change =
-      "look at the axes of the IMU (swapped columns, a left-handed axis), the clocks, the fields "
-      "of the points, and whether most of them move";
+  out->judge(Verdict::kDoubtful, ": no mounting explains it",
+             "look at the axes of the IMU (swapped columns, a left-handed axis), the clocks, the "
+             "fields of the points, and whether most of them move");
 }
 
 /// A mounting by right angles stays as it is if the motion shows no other significantly.

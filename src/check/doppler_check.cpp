@@ -96,41 +96,38 @@ Finding check_doppler(const Scans& scans, const CheckedImu& imu, const Options& 
                           grid > 0.0 ? fmt::format("grid of {:.3f} m/s", grid) : "no grid")};
   if (limit > 0.0) out.text += fmt::format(", folds at +-{:.2f} m/s", limit);
   if (looks_exchanged(points)) {
-    out.verdict = Verdict::kWrong;
-    out.text += ", never negative, while the SNR is: the two are exchanged";
-    out.change = advice.bag() ? "--field doppler=NAME --field snr=NAME, the other way round"
-                              : "exchange the columns doppler and snr of " + advice.csv();
+    out.judge(Verdict::kWrong, ", never negative, while the SNR is: the two are exchanged",
+              advice.bag() ? "--field doppler=NAME --field snr=NAME, the other way round"
+                           : "exchange the columns doppler and snr of " + advice.csv());
   } else if (const double marks = share_of_marks(points); marks > 0.0) {
-    out.verdict = Verdict::kDoubtful;
-    out.text += fmt::format(
-        "; {:.2g} % of the points are beyond {:.0f} m/s and none is near: marks of the driver for "
-        "no velocity",
-        100.0 * marks, kFastestVehicle);
-    out.change = "leave these points out where they are recorded; here they are outliers";
+    out.judge(Verdict::kDoubtful,
+              fmt::format("; {:.2g} % of the points are beyond {:.0f} m/s and none is near: marks "
+                          "of the driver for no velocity",
+                          100.0 * marks, kFastestVehicle),
+              "leave these points out where they are recorded; here they are outliers");
   } else if (most > kFastestVehicle) {
     const bool in_mm = 1e-2 * most > (limit > 0.0 ? 2.0 * limit : 30.0);
-    out.verdict = Verdict::kWrong;
-    out.text += fmt::format(": not in m/s, but in {}", in_mm ? "mm/s" : "cm/s");
-    out.change = advice.scale("doppler", in_mm ? 1e-3 : 1e-2);
+    out.judge(Verdict::kWrong, fmt::format(": not in m/s, but in {}", in_mm ? "mm/s" : "cm/s"),
+              advice.scale("doppler", in_mm ? 1e-3 : 1e-2));
   } else if (still > 0.999 && moves(imu)) {
-    out.verdict = Verdict::kWrong;
-    out.change = advice.bag() ? "--field doppler=NAME; `rio info` lists the fields"
-                              : "fill the column doppler of " + advice.csv();
+    out.judge(Verdict::kWrong, "",
+              advice.bag() ? "--field doppler=NAME; `rio info` lists the fields"
+                           : "fill the column doppler of " + advice.csv());
   } else if (const double offset = offset_at_rest(scans, imu.check.rest, imu.check.gyro_unit, grid);
              offset != 0.0) {
-    out.verdict = Verdict::kWrong;
-    out.text += fmt::format(", {:+.3f} m/s at rest: off by {:+.1f} steps of its grid", offset,
-                            offset / grid);
-    out.change = fmt::format(
-        "subtract {:.4g} m/s from the Doppler: the driver numbers its bins otherwise", offset);
+    out.judge(Verdict::kWrong,
+              fmt::format(", {:+.3f} m/s at rest: off by {:+.1f} steps of its grid", offset,
+                          offset / grid),
+              fmt::format("subtract {:.4g} m/s from the Doppler: the driver numbers its bins "
+                          "otherwise",
+                          offset));
   } else if (limit > 0.0 && most > 1.05 * limit) {
-    out.verdict = Verdict::kWrong;
-    out.text += ": a radar that folds there cannot say so";
-    out.change = fmt::format(
-        "the unit of the Doppler (see \"Doppler scale\"), or radar: {{max_doppler: {:.2f}}}", most);
+    out.judge(Verdict::kWrong, ": a radar that folds there cannot say so",
+              fmt::format("the unit of the Doppler (see \"Doppler scale\"), or radar: "
+                          "{{max_doppler: {:.2f}}}",
+                          most));
   } else if (limit > 0.0 && middle > 0.5 * limit) {
-    out.verdict = Verdict::kDoubtful;
-    out.change = "much of it may be folded: a faster chirp, or slower flight";
+    out.judge(Verdict::kDoubtful, "", "much of it may be folded: a faster chirp, or slower flight");
   } else if (!(limit > 0.0)) {
     out.change = "if the radar folds below the speed flown, tell it: radar: {max_doppler: ...}";
   }

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace rio::check {
@@ -24,6 +25,13 @@ struct Finding {
   std::string subject;   ///< what was checked, such as "gyro unit"; unique in a report
   std::string text;      ///< one sentence
   std::string change{};  ///< proposed change; empty if none
+
+  /// Another verdict, what else to say, and the change that it proposes.
+  void judge(Verdict to, const std::string& more, std::string proposal) {
+    verdict = to;
+    text += more;
+    change = std::move(proposal);
+  }
 };
 
 using Findings = std::vector<Finding>;

@@ -68,25 +68,22 @@ Finding check_gyro(const std::vector<ImuSample>& samples, const Rest& rest, Sour
   const bool nonsense = never_rests || (as_given > kAnywhere && scaled < 0.5 * as_given);
   if (nonsense || usual > kFastest) {
     *unit = kDegree;
-    out.verdict = Verdict::kWrong;
     if (smaller && counts) {
-      out.text += ": with the accelerometer in no unit, both seem to be raw counts";
-      out.change = "multiply both by the sensitivities of the data sheet of the IMU";
-      return out;
-    }
-    if (smaller) {
+      out.judge(Verdict::kWrong, ": with the accelerometer in no unit, both seem to be raw counts",
+                "multiply both by the sensitivities of the data sheet of the IMU");
+    } else if (smaller) {
       *unit = 1e-3 * usual > kFastest ? 1e-3 * kDegree : 1e-3;
       const char* name = *unit == 1e-3 ? "mrad/s" : "mdeg/s";
-      out.text += fmt::format(": they are in {}", name);
-      out.change = Advice{source}.gyro_in(name, *unit);
-      return out;
+      out.judge(Verdict::kWrong, fmt::format(": they are in {}", name),
+                Advice{source}.gyro_in(name, *unit));
+    } else {
+      out.judge(Verdict::kWrong, to_degrees(", taken as deg/s", scaled) + ": they are in deg/s",
+                Advice{source}.gyro_in("deg/s", kDegree));
     }
-    out.text += to_degrees(", taken as deg/s", scaled) + ": they are in deg/s";
-    out.change = Advice{source}.gyro_in("deg/s", kDegree);
   } else if (rest.gyro.norm() > 0.1 && rest.spread < 0.05 &&
              rest.turning < 0.2 * rest.gyro.norm()) {
-    out.verdict = Verdict::kDoubtful;
-    out.change = "a bias of more than 6 deg/s at rest: let the gyro warm up, or begin at rest";
+    out.judge(Verdict::kDoubtful, "",
+              "a bias of more than 6 deg/s at rest: let the gyro warm up, or begin at rest");
   }
   return out;
 }

@@ -98,15 +98,13 @@ Finding check_saturation(const Usable& usable) {
                             usable.spikes());
   }
   if (!still.empty()) {
-    out.verdict = Verdict::kDoubtful;
-    out.text += "; never changes: " + still;
-    out.change = "every axis of an IMU has noise: find out why the driver does not fill these in";
+    out.judge(Verdict::kDoubtful, "; never changes: " + still,
+              "every axis of an IMU has noise: find out why the driver does not fill these in");
   } else if (end > 0.1 || same > 1.0) {
-    out.verdict = Verdict::kDoubtful;
-    out.change = "widen the ranges of the IMU and mount it softer; read it as often as it measures";
+    out.judge(Verdict::kDoubtful, "",
+              "widen the ranges of the IMU and mount it softer; read it as often as it measures");
   } else if (100 * usable.spikes() > samples.size()) {
-    out.verdict = Verdict::kDoubtful;
-    out.change = "look for damaged reads in the driver of the IMU";
+    out.judge(Verdict::kDoubtful, "", "look for damaged reads in the driver of the IMU");
   }
   return out;
 }
@@ -217,17 +215,14 @@ Finding check_start(const CheckedImu& imu, const Scans& scans, const Options& op
                                   rest, waited, before, scans.size())
                     : fmt::format("no {} in {:.1f} s", rest, waited)};
   if (!start && is_off_gravity(imu.check, options)) {
-    out.verdict = Verdict::kDoubtful;
-    out.text += ": at rest the accelerometer is too far off gravity";
-    out.change = "calibrate its scale and bias; start.sigma_accel_bias allows ten times itself";
+    out.judge(Verdict::kDoubtful, ": at rest the accelerometer is too far off gravity",
+              "calibrate its scale and bias; start.sigma_accel_bias allows ten times itself");
   } else if (options.start.max_wait > 0.0) {
     out.text += fmt::format("; start.max_wait is {:.3g} s", options.start.max_wait);
   } else if (!start || waited > kLate + options.start.duration) {
-    out.verdict = Verdict::kDoubtful;
-    out.text += start ? ", and dropped" : ": the estimator does not start";
-    out.change =
-        "start: {max_wait: 3}, which starts in motion after 3 s; better, record two seconds at "
-        "rest first";
+    out.judge(Verdict::kDoubtful, start ? ", and dropped" : ": the estimator does not start",
+              "start: {max_wait: 3}, which starts in motion after 3 s; better, record two seconds "
+              "at rest first");
   }
   return out;
 }

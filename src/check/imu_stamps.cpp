@@ -151,40 +151,38 @@ Finding check_stamps(const Usable& samples, const io::ImuInfo& info, Source sour
   const Jump jump = jumps_back(all);
   constexpr double kBatch = 3.0;  // mean over usual interval, where samples come together
   if (period < kFastest && n.mean > kBatch * period) {
-    out.verdict = Verdict::kWrong;
-    out.text += fmt::format(": they come in batches of {:.0f}, stamped when they arrived",
-                            static_cast<double>(good.size()) / n.batches);
-    out.change = (source == Source::kBag ? "--imu-clock receive, or " : "") +
-                 std::string("stamp each sample by itself in its driver");
+    out.judge(Verdict::kWrong,
+              fmt::format(": they come in batches of {:.0f}, stamped when they arrived",
+                          static_cast<double>(good.size()) / n.batches),
+              (source == Source::kBag ? "--imu-clock receive, or " : "") +
+                  std::string("stamp each sample by itself in its driver"));
   } else if (period < kFastest) {
     const bool micro = 1e3 * period > kFastest;
     *unit = micro ? 1e3 : 1e6;
-    out.verdict = Verdict::kWrong;
-    out.text += fmt::format(": the stamps are in {}", micro ? "us" : "ms");
+    out.judge(Verdict::kWrong, fmt::format(": the stamps are in {}", micro ? "us" : "ms"), "");
   } else if (period > kSlowest) {
-    out.verdict = Verdict::kWrong;
-    out.change = "record the IMU at 100 Hz or more";
+    out.judge(Verdict::kWrong, "", "record the IMU at 100 Hz or more");
   } else if (jump.count > 0) {
-    out.verdict = Verdict::kDoubtful;
-    out.text += jump_text(jump);
-    out.change = kSplitThere;
+    out.judge(Verdict::kDoubtful, jump_text(jump), kSplitThere);
   } else if (static_cast<double>(n.repeated) + static_cast<double>(stray.count) >
              0.01 * static_cast<double>(all.size())) {
-    out.verdict = Verdict::kDoubtful;
-    out.change = "look for two publishers of one topic, or samples stamped on arrival";
     if (2 * n.twice > n.repeated) {
-      out.text += fmt::format(", {} of them with the values of the one before", n.twice);
-      out.change = "look for two publishers of one topic, or two recordings of it joined";
+      out.judge(Verdict::kDoubtful,
+                fmt::format(", {} of them with the values of the one before", n.twice),
+                "look for two publishers of one topic, or two recordings of it joined");
+    } else {
+      out.judge(Verdict::kDoubtful, "",
+                "look for two publishers of one topic, or samples stamped on arrival");
     }
   } else if (!bridged || bridged->velocity > kMostVelocity || bridged->angle > kMostTilt) {
-    out.verdict = Verdict::kDoubtful;
-    out.change = "record with less load; the gaps are bridged, at a loss of accuracy";
+    out.judge(Verdict::kDoubtful, "",
+              "record with less load; the gaps are bridged, at a loss of accuracy");
   } else if (std::abs(configured * period - 1.0) > 0.1) {
-    out.verdict = Verdict::kDoubtful;
-    out.change = fmt::format("imu0/sensor.yaml: rate_hz: {:.0f}", 1.0 / period);
+    out.judge(Verdict::kDoubtful, "",
+              fmt::format("imu0/sensor.yaml: rate_hz: {:.0f}", 1.0 / period));
   } else if (stray.count > 0) {
-    out.verdict = Verdict::kDoubtful;
-    out.change = place.empty() ? "leave these samples out" : "remove the line " + place;
+    out.judge(Verdict::kDoubtful, "",
+              place.empty() ? "leave these samples out" : "remove the line " + place);
   }
   return out;
 }

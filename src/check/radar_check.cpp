@@ -105,21 +105,18 @@ Finding check_stamps(const Scans& scans, const io::RadarInfo& info, const Advice
         fmt::format(", in which the IMU alone may run away by {:.1f} m/s", kFeigned * longest);
   }
   if (const Jump jump = jumps_back(scans); jump.count > 0) {
-    out.verdict = Verdict::kDoubtful;
-    out.text += jump_text(jump);
-    out.change = kSplitThere;
+    out.judge(Verdict::kDoubtful, jump_text(jump), kSplitThere);
   } else if (unordered > 0) {
-    out.verdict = Verdict::kDoubtful;
-    out.change = stray.count > 0
-                     ? "put the scans in the order of their stamps, or correct the stamp"
-                     : "a scan needs a stamp of its own";
+    out.judge(Verdict::kDoubtful, "",
+              stray.count > 0 ? "put the scans in the order of their stamps, or correct the stamp"
+                              : "a scan needs a stamp of its own");
     if (!place.empty()) out.change += "; see " + place;
   } else if (longest > kLongestSilence) {
-    out.verdict = Verdict::kDoubtful;
-    out.change = "look for what silenced the radar; the estimate is uncertain meanwhile";
+    out.judge(Verdict::kDoubtful, "",
+              "look for what silenced the radar; the estimate is uncertain meanwhile");
   } else if (std::abs(configured * period - 1.0) > 0.1) {
-    out.verdict = Verdict::kDoubtful;
-    out.change = advice.sensor_line(fmt::format("rate_hz: {:.1f}", 1.0 / period));
+    out.judge(Verdict::kDoubtful, "",
+              advice.sensor_line(fmt::format("rate_hz: {:.1f}", 1.0 / period)));
     const double grid = grid_of(scans);
     if (grid > 0.9 * period) out.change += fmt::format(", unless stamps are cut to {:g} s", grid);
   }
@@ -157,26 +154,23 @@ Finding check_points(const Scans& scans, const std::vector<RadarSpeed>& speeds,
   };
   if (usual_snr <= kMostSnr && most_snr > kMostSnr &&
       std::ranges::all_of(scans.points(), is_mark)) {
-    out.verdict = Verdict::kDoubtful;
-    out.text +=
-        fmt::format("; some have an SNR of {:.6g}: a mark of the driver for none", most_snr);
-    out.change = "leave these points out, or give them no SNR, where they are recorded";
+    out.judge(Verdict::kDoubtful,
+              fmt::format("; some have an SNR of {:.6g}: a mark of the driver for none", most_snr),
+              "leave these points out, or give them no SNR, where they are recorded");
   } else if (usual_snr > kMostSnr || most_snr > 10.0 * kMostSnr) {
     double factor = 0.1;
     while (factor * most_snr > kMostSnr && factor > 1e-4) factor *= 0.1;
     const bool linear = most_snr > 100.0 * std::abs(usual_snr);
-    out.verdict = Verdict::kWrong;
-    out.text += fmt::format("; an SNR of {:.0f} (up to {:.0f}) is not in dB{}", usual_snr, most_snr,
-                            linear ? " but linear" : "");
-    out.change =
-        advice.scale("snr", linear ? 0.0 : factor) + (linear ? ", which leaves it out" : "");
+    out.judge(Verdict::kWrong,
+              fmt::format("; an SNR of {:.0f} (up to {:.0f}) is not in dB{}", usual_snr, most_snr,
+                          linear ? " but linear" : ""),
+              advice.scale("snr", linear ? 0.0 : factor) + (linear ? ", which leaves it out" : ""));
   } else if (usual_snr < options.radar.min_snr_db) {
-    out.verdict = Verdict::kWrong;
-    out.change = fmt::format("radar: {{min_snr_db: {:.0f}}}", snr(0.01) - 1.0);
+    out.judge(Verdict::kWrong, "", fmt::format("radar: {{min_snr_db: {:.0f}}}", snr(0.01) - 1.0));
   } else if (!scans.points().empty() && std::ranges::all_of(scans.points(), is_flat)) {
-    out.verdict = Verdict::kDoubtful;
-    out.text += "; all points have z = 0: a radar without elevation, or a driver that drops it";
-    out.change = "a radar that measures elevation: its Dopplers must show all three axes";
+    out.judge(Verdict::kDoubtful,
+              "; all points have z = 0: a radar without elevation, or a driver that drops it",
+              "a radar that measures elevation: its Dopplers must show all three axes");
   } else if (rate * kSparseVelocities < 1.0) {
     out.verdict = Verdict::kDoubtful;
     const bool apart = static_cast<double>(counts.size()) < kNeighbours * duration(scans);
@@ -221,8 +215,8 @@ Finding check_distances(const Scans& scans, const Options& options, const Advice
         fmt::format("{}, y and z alike; {} if they are in {}", advice.scale("x", mm ? 1e-3 : 1e-2),
                     mm ? "0.01" : "0.001", mm ? "cm" : "mm");
   } else {
-    out.verdict = Verdict::kDoubtful;
-    out.change = fmt::format("radar: {{max_range: {:.0f}}}", std::ceil(farthest));
+    out.judge(Verdict::kDoubtful, "",
+              fmt::format("radar: {{max_range: {:.0f}}}", std::ceil(farthest)));
   }
   return out;
 }
@@ -267,12 +261,11 @@ Finding check_clocks(const std::vector<ImuSample>& samples, const Scans& scans,
   const double share = both / std::max(1e-3, std::min(imu, radar));
   if (share > 0.8) {
     if (const auto [from, to] = longest_gap(samples); is_silent(scans, from, to)) {
-      out.verdict = Verdict::kDoubtful;
-      out.text += fmt::format("; both are silent for {:.3f} s, {:.1f} s after the begin",
-                              to_seconds(to - from), to_seconds(from - imu_begin));
-      out.change =
-          "if nothing was lost there the clock was set forward (NTP?): take that off all "
-          "later stamps";
+      out.judge(Verdict::kDoubtful,
+                fmt::format("; both are silent for {:.3f} s, {:.1f} s after the begin",
+                            to_seconds(to - from), to_seconds(from - imu_begin)),
+                "if nothing was lost there the clock was set forward (NTP?): take that off all "
+                "later stamps");
     }
     return out;
   }
