@@ -15,10 +15,6 @@ namespace rio::check {
 
 namespace {
 
-struct Unit {
-  const char* name;
-  double factor;  ///< to [m/s^2]
-};
 constexpr std::array<Unit, 5> kUnits = {{{"m/s^2", 1.0},
                                          {"g", kStandardGravity},
                                          {"mg", 1e-3 * kStandardGravity},

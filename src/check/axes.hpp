@@ -30,6 +30,8 @@ struct Axes {
   /// R turned a little by the motion, if that is significantly better, as the mounting to propose.
   std::optional<Matrix3d> fitted{};
   double sigma = 0.0;  ///< error of the proposed mounting about its worst axis [rad]
+
+  bool as_configured() const { return !doppler_flipped && turn < 1e-6; }
 };
 
 /// The configured mounting first, then the same with the Doppler flipped, then by increasing angle.

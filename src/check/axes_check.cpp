@@ -135,16 +135,14 @@ Axes with_error(const Judge& judge, Axes axes) {
 
 Axes choose_axes(const Judge& judge, std::vector<Axes>* alike) {
   const std::vector<Axes> list = hypotheses(judge);
-  const Axes* best = &list.front();
-  for (const Axes& axes : list) {
-    if (judge.all.explained(axes.R) > judge.all.explained(best->R)) best = &axes;
-  }
-  const double enough = 0.9 * judge.all.explained(best->R);
+  const auto explained = [&](const Axes& axes) { return judge.all.explained(axes.R); };
+  const auto best = std::ranges::max_element(list, {}, explained);
+  const double enough = 0.9 * explained(*best);
   for (const Axes& axes : list) {
     const auto is_same = [&](const Axes& known) { return (known.R - axes.R).norm() < 1e-6; };
     if (std::ranges::any_of(*alike, is_same)) continue;
-    if (&axes == best ||
-        (judge.all.explained(axes.R) > enough && judge.doubt(axes.R, best->R) < kSignificant)) {
+    if (&axes == &*best ||
+        (explained(axes) > enough && judge.doubt(axes.R, best->R) < kSignificant)) {
       alike->push_back(axes);
     }
   }
@@ -198,7 +196,6 @@ Finding check_axes(const Judge& judge, const Axes& found, const std::vector<Axes
         "most {:.0f} % of the movement the IMU measures",
         100.0 * as_configured);
   }
-  const bool is_configured = !found.doppler_flipped && found.turn < 1e-6;
   if (best < kExplained) {
     say_nothing_explains(judge, best, &out);
     return out;
@@ -207,7 +204,7 @@ Finding check_axes(const Judge& judge, const Axes& found, const std::vector<Axes
     if (alike.size() == 1) out.text += right_angle_text(found.R);
     return out;
   }
-  if (is_configured) {
+  if (found.as_configured()) {
     out.text += alike.size() == 1
                     ? ", clearly more than with any other axes"
                     : fmt::format("; {} other axes would do as well", alike.size() - 1);

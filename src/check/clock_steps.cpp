@@ -33,8 +33,7 @@ Agreement agreement(std::vector<RadarSpeed> speeds, Time shift,
   constexpr double kLength = 2.0;  // of a window [s]
   for (RadarSpeed& speed : speeds) speed.time += shift;
   const ImuPath path(samples, check.gyro_unit, check.accel_unit);
-  return agreements(speeds, path, kLength, options.radar.T_BS.translation,
-                    {-options.radar.time_offset})[0];
+  return agreements(speeds, path, kLength, options.radar).front();
 }
 
 /// Whether the windows without a step agree significantly better than those with it. They must not

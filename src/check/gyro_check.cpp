@@ -16,68 +16,58 @@ namespace rio::check {
 namespace {
 
 /// The best axes with the rates multiplied by this.
-struct Trial {
+struct Trial : BestAxes {
   Matrix3d factor = Matrix3d::Zero();
-  Axes axes;
-  double explained = 0.0;
-  std::size_t windows = 0;
-
-  bool as_configured() const { return !axes.doppler_flipped && axes.turn < 1e-6; }
-  double better_than(double other) const { return significance(other, explained, windows); }
 };
 
 Agreement windows_with(const Judge& judge, const Matrix3d& factor) {
-  const RadarOptions& radar = judge.options.radar;
   const ImuPath path(judge.data.samples, judge.data.gyro_unit * factor, judge.data.accel_unit);
-  return agreements(judge.data.speeds, path, judge.length, radar.T_BS.translation,
-                    {-radar.time_offset})
-      .front();
+  return agreements(judge.data.speeds, path, judge.length, judge.options.radar).front();
 }
 
 Trial with_rates(const Judge& judge, const Matrix3d& factor) {
-  const Agreement all = windows_with(judge, factor);
-  Trial best{factor, {}, 0.0, all.windows};
-  for (const Axes& axes : candidates(judge.options.radar.T_BS.rotation)) {
-    const double explained = all.explained(axes.R);
-    if (explained > best.explained) best = {factor, axes, explained, all.windows};
-  }
-  return best;
+  return {best_axes(windows_with(judge, factor), judge.options, DopplerSign::kUnknown), factor};
 }
 
 Trial scaled(const Judge& judge, double factor) {
   return with_rates(judge, factor * Matrix3d::Identity());
 }
 
+/// The best of some factors.
+Trial best_scaled(const Judge& judge, const std::vector<double>& factors) {
+  Trial best;
+  for (const double factor : factors) {
+    const Trial trial = scaled(judge, factor);
+    if (trial.explained > best.explained) best = trial;
+  }
+  return best;
+}
+
 constexpr double kGain = 0.1;     // explained, by another range of the gyro
 constexpr double kClearly = 4.0;  // sigmas, same
 
 bool is_clear(const Trial& trial, double as_read) {
-  return trial.as_configured() && trial.explained > as_read + kGain &&
+  return trial.axes.as_configured() && trial.explained > as_read + kGain &&
          trial.better_than(as_read) > kClearly;
 }
 
 /// What rates that are not in rad/s may be in. Counts of 16.4 to a deg/s are within 7 % of mrad/s.
-struct RateUnit {
-  const char* name;
-  double factor;  ///< to rad/s
-};
-constexpr std::array<RateUnit, 8> kRateUnits = {
-    {{"deg/s", kDegree},
-     {"mrad/s", 1e-3},
-     {"mdeg/s", 1e-3 * kDegree},
-     {"rpm", 6.0 * kDegree},
-     {"0.1 deg/s", 0.1 * kDegree},
-     {"counts of about 131 to a deg/s", kDegree / 131.0},
-     {"counts of about 65 to a deg/s", kDegree / 65.5},
-     {"counts of about 33 to a deg/s", kDegree / 32.8}}};
+constexpr std::array<Unit, 8> kRateUnits = {{{"deg/s", kDegree},
+                                             {"mrad/s", 1e-3},
+                                             {"mdeg/s", 1e-3 * kDegree},
+                                             {"rpm", 6.0 * kDegree},
+                                             {"0.1 deg/s", 0.1 * kDegree},
+                                             {"counts of about 131 to a deg/s", kDegree / 131.0},
+                                             {"counts of about 65 to a deg/s", kDegree / 65.5},
+                                             {"counts of about 33 to a deg/s", kDegree / 32.8}}};
 
 /// Whether the unit that the IMU alone suggests is another one.
 std::optional<Finding> check_unit(const Judge& judge, double as_read) {
   const double suggested = judge.data.gyro_unit;
   if (suggested == 1.0) return std::nullopt;
-  const RateUnit* unit = nullptr;
+  const Unit* unit = nullptr;
   Trial best;
-  for (const RateUnit& other : kRateUnits) {
+  for (const Unit& other : kRateUnits) {
     const Trial trial = scaled(judge, other.factor / suggested);
     if (trial.explained <= best.explained) continue;
     best = trial;
@@ -107,12 +97,9 @@ std::string multiplied(const Judge& judge, double factor) {
 std::optional<Finding> check_too_large(const Judge& judge, double as_read) {
   constexpr double kSlow = 0.3;  // deg/s of a flying or driving vehicle are more [rad/s]
   const auto rate = [&judge](const ImuSample& s) { return judge.data.gyro_unit * s.gyro_B.norm(); };
-  Trial best = scaled(judge, 0.5);
-  for (const double factor : {0.25, kDegree}) {
-    if (factor == kDegree && quantile_of(judge.data.samples, rate, 0.5) < kSlow) continue;
-    const Trial trial = scaled(judge, factor);
-    if (trial.explained > best.explained) best = trial;
-  }
+  std::vector<double> factors = {0.5, 0.25};
+  if (!(quantile_of(judge.data.samples, rate, 0.5) < kSlow)) factors.push_back(kDegree);
+  const Trial best = best_scaled(judge, factors);
   const double unturned = scaled(judge, 0.0).explained;
   if (best.explained < kExplained || best.better_than(as_read) < kSignificant ||
       best.better_than(unturned) < kSignificant ||
@@ -139,12 +126,11 @@ std::optional<Finding> check_too_large(const Judge& judge, double as_read) {
 std::optional<Finding> check_too_small(const Judge& judge, double as_read) {
   constexpr double kSomething = 0.4;
   if (as_read < kSomething) return std::nullopt;
-  const Trial twice = scaled(judge, 2.0);
-  const Trial four = scaled(judge, 4.0);
-  const Trial& best = four.explained > twice.explained ? four : twice;
-  const double beyond = &best == &twice ? four.explained : scaled(judge, 8.0).explained;
-  if (!is_clear(best, as_read) || beyond > best.explained - kGain) return std::nullopt;
+  const Trial best = best_scaled(judge, {2.0, 4.0});
   const double factor = best.factor(0, 0);
+  if (!is_clear(best, as_read) || scaled(judge, 2.0 * factor).explained > best.explained - kGain) {
+    return std::nullopt;
+  }
   return Finding{
       Verdict::kWrong, "gyro unit by the radar",
       fmt::format("the radar explains {:.0f} % of the movement the IMU measures, with {:.0f} times "
@@ -206,7 +192,8 @@ std::optional<Finding> check_axes_of_rates(const Judge& judge, double as_read) {
     if (as_read > kExplained && !M.isDiagonal()) break;  // by exchanged axes it would be less
     const Trial trial = with_rates(judge, M);
     const double lead = trial.explained - best.explained;
-    if (lead > (best.as_configured() ? kAlike : 0.0) || (trial.as_configured() && lead > -kAlike)) {
+    if (lead > (best.axes.as_configured() ? kAlike : 0.0) ||
+        (trial.axes.as_configured() && lead > -kAlike)) {
       best = trial;
     }
   }
@@ -217,7 +204,7 @@ std::optional<Finding> check_axes_of_rates(const Judge& judge, double as_read) {
   const std::string rates = rates_text(best.factor);
   if (is_mirrored) {
     Finding mirrored = mirrored_imu(judge, all, as_read);
-    if (best.as_configured()) {
+    if (best.axes.as_configured()) {
       mirrored.text += ", or of the gyro alone";
       mirrored.change += "; if only of the gyro, " + rates;
     }
@@ -230,7 +217,7 @@ std::optional<Finding> check_axes_of_rates(const Judge& judge, double as_read) {
           "the radar explains at most {:.0f} % of the movement the IMU measures; {}, and it "
           "explains {:.0f} %",
           100.0 * as_read, rates, 100.0 * best.explained),
-      (best.as_configured() ? rates + " where it is recorded: it" : std::string("the gyro")) +
+      (best.axes.as_configured() ? rates + " where it is recorded: it" : std::string("the gyro")) +
           " needs the axes of the accelerometer"};
 }
 

@@ -150,12 +150,13 @@ double Agreement::movement_of_imu() const {
 }
 
 std::vector<Agreement> agreements(const std::vector<RadarSpeed>& speeds, const ImuPath& path,
-                                  double length, const Vector3d& lever_B,
+                                  double length, const RadarOptions& radar,
                                   const std::vector<double>& shifts) {
   constexpr int kFewest = 8;           // besides the six unknowns of v_0 and g
   constexpr double kUnmeasured = 0.2;  // an arm that nobody configured, of a small robot [m]
   constexpr double kMeasured = 0.03;   // by a ruler [m]
   constexpr double kShortest = 0.5;    // of the length
+  const Vector3d& lever_B = radar.T_BS.translation;
   std::vector<WithLever> all(shifts.size());
   std::vector<Sums> sums(shifts.size());
   Time begin{0};
@@ -179,7 +180,7 @@ std::vector<Agreement> agreements(const std::vector<RadarSpeed>& speeds, const I
     if (opens) begin = speed.time;
     piece = first->piece;
     for (std::size_t s = 0; s < shifts.size(); ++s) {
-      const ImuPath::Point p = *path.at(speed.time + from_seconds(shifts[s]));
+      const ImuPath::Point p = *path.at(speed.time + from_seconds(shifts[s] - radar.time_offset));
       if (opens) sums[s].begin = p.sum;
       const Matrix3d C = p.turn.toRotationMatrix();
       sums[s].add(to_seconds(speed.time - begin), speed.weight, speed.v_S, C, p.rate,
@@ -203,7 +204,7 @@ double movement_of(const std::vector<ImuSample>& samples, double gyro_unit, doub
     times.back().time = s.time;
   }
   const ImuPath path(samples, gyro_unit, accel_unit);
-  return agreements(times, path, kLength, Vector3d::Zero(), {0.0}).front().movement_of_imu();
+  return agreements(times, path, kLength, RadarOptions()).front().movement_of_imu();
 }
 
 FittedRotation fitted_rotation(const Agreement& all, const Matrix3d& R) {

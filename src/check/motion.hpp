@@ -93,10 +93,9 @@ FittedRotation fitted_rotation(const Agreement& all, const Matrix3d& R);
 
 /// (E5)
 struct DopplerScale {
-  double low = 0.0;
-  double high = 0.0;
+  double low;
+  double high;
 
-  DopplerScale() = default;
   DopplerScale(const Agreement& all, const Matrix3d& R)
       : low(all.b.dot(R.reshaped()) / all.c), high(all.square(R) / all.b.dot(R.reshaped())) {}
   /// @param error factor by which a right one may be off
@@ -118,11 +117,11 @@ inline constexpr double kMostShift = 0.3;
 
 /// For every shift. All shifts use the same scans, limited by kMostShift.
 /// @param length of a window [s]
-/// @param shifts added to the stamps of the radar [s]
-/// @param lever_B position of the radar [m]
+/// @param radar its place and the delay of its stamps
+/// @param shifts added to its stamps besides that delay [s]
 std::vector<Agreement> agreements(const std::vector<RadarSpeed>& speeds, const ImuPath& path,
-                                  double length, const Vector3d& lever_B,
-                                  const std::vector<double>& shifts);
+                                  double length, const RadarOptions& radar,
+                                  const std::vector<double>& shifts = {0.0});
 
 /// (E6) from explained shares, in sigmas; 0 if it is not better.
 double significance(double worse, double better, std::size_t windows);

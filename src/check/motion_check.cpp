@@ -26,36 +26,27 @@ constexpr std::array kLengths = {kShortestWindow, 2.0 * kShortestWindow, 4.0 * k
 constexpr double kShiftStep = 0.02;  // [s]
 constexpr int kShifts = 14;          // to each side; below kMostShift
 
-/// The largest share (E4) of motion.hpp with the axes of any of the candidates() that the sign of
-/// the Doppler allows.
-/// @param best these axes, if not null
-double most_explained(const Agreement& windows, const Options& options, DopplerSign sign,
-                      Matrix3d* best = nullptr) {
-  const Matrix3d configured = options.radar.T_BS.rotation.toRotationMatrix();
-  double most = 0.0;
-  for (const Axes& axes : candidates(options.radar.T_BS.rotation)) {
-    if (!allowed(axes, configured, sign) || windows.explained(axes.R) <= most) continue;
-    most = windows.explained(axes.R);
-    if (best != nullptr) *best = axes.R;
+/// What the best_axes() explain with each shift.
+std::vector<double> most_explained(const std::vector<Agreement>& shifts, const Options& options,
+                                   DopplerSign sign) {
+  std::vector<double> most;
+  for (const Agreement& windows : shifts) {
+    most.push_back(best_axes(windows, options, sign).explained);
   }
   return most;
 }
 
-std::vector<double> most_explained(const std::vector<Agreement>& shifts, const Options& options,
-                                   DopplerSign sign) {
-  std::vector<double> most;
-  for (const Agreement& windows : shifts) most.push_back(most_explained(windows, options, sign));
-  return most;
-}
-
-/// The windows for every shift around the configured delay, from the most negative on.
+/// The windows for every shift around `middle`, from the most negative on.
 /// @param length of a window [s]
-std::vector<Agreement> all_shifts(const MotionData& data, double length,
-                                  const RadarOptions& radar) {
+/// @param middle a shift besides the configured delay [s]
+std::vector<Agreement> all_shifts(const MotionData& data, double length, const RadarOptions& radar,
+                                  double middle = 0.0) {
+  std::vector<RadarSpeed> moved = data.speeds;
+  for (RadarSpeed& speed : moved) speed.time += from_seconds(middle);
   std::vector<double> shifts;  // [s]
-  for (int i = -kShifts; i <= kShifts; ++i) shifts.push_back(kShiftStep * i - radar.time_offset);
+  for (int i = -kShifts; i <= kShifts; ++i) shifts.push_back(kShiftStep * i);
   const ImuPath path(data.samples, data.gyro_unit, data.accel_unit);
-  return agreements(data.speeds, path, length, radar.T_BS.translation, shifts);
+  return agreements(moved, path, length, radar, shifts);
 }
 
 /// The windows in which the axes are judged: at the configured delay, unless another shift is
@@ -121,14 +112,6 @@ Finding check_delay(const std::vector<Agreement>& shifts, const Matrix3d& R, con
   return out;
 }
 
-/// The windows for the shifts around one of all stamps of the radar [s].
-std::vector<Agreement> all_shifts_around(double middle, const MotionData& data, double length,
-                                         const RadarOptions& radar) {
-  std::vector<RadarSpeed> moved = data.speeds;
-  for (RadarSpeed& speed : moved) speed.time += from_seconds(middle);
-  return all_shifts({data.samples, moved, data.gyro_unit, data.accel_unit}, length, radar);
-}
-
 /// A delay beyond those of check_delay(), with which radar and IMU agree at last; empty if there is
 /// none, or it may be longer than all that are tested.
 /// @param near explained with one of those, which it must beat
@@ -137,34 +120,29 @@ std::optional<Finding> check_far_delay(const MotionData& data, double length, do
   constexpr double kFarthest = 10.0;                       // [s]
   constexpr double kCovered = 2.0 * kShifts * kShiftStep;  // by all_shifts() [s]
   constexpr double kSure = 5.0;                            // the best of 1000 [sigmas]
-  double most = kExplained;
+  BestAxes best{{}, kExplained};
   double delay = 0.0;
-  Matrix3d R = Matrix3d::Identity();
   for (double middle = -kFarthest; middle <= kFarthest; middle += kCovered) {
-    const std::vector<Agreement> shifts = all_shifts_around(middle, data, length, options.radar);
+    const std::vector<Agreement> shifts = all_shifts(data, length, options.radar, middle);
     for (std::size_t i = 0; i < shifts.size(); ++i) {
-      const Agreement& windows = shifts[i];
       const double moved_by = middle + kShiftStep * (static_cast<double>(i) - kShifts);
-      Matrix3d best;
-      const double explained = most_explained(windows, options, data.doppler_sign, &best);
-      if (windows.windows < kFewestWindows || explained <= most ||
-          std::abs(moved_by) < 0.5 * kCovered ||
-          significance(near, explained, windows.windows) < kSure) {
+      const BestAxes now = best_axes(shifts[i], options, data.doppler_sign);
+      if (now.windows < kFewestWindows || now.explained <= best.explained ||
+          std::abs(moved_by) < 0.5 * kCovered || now.better_than(near) < kSure) {
         continue;
       }
-      most = explained;
+      best = now;
       delay = moved_by;
-      R = best;
     }
   }
   if (delay == 0.0) return std::nullopt;
   // the largest share is near the least residual, which is that of the delay
-  delay += best_shift(all_shifts_around(delay, data, length, options.radar), R).seconds;
+  delay += best_shift(all_shifts(data, length, options.radar, delay), best.axes.R).seconds;
   if (std::abs(delay) > kFarthest) return std::nullopt;
   return Finding{Verdict::kWrong, "delay of the radar",
                  fmt::format("radar and IMU agree only with the radar's stamps moved by {:+.3f} s, "
                              "then in {:.0f} % of the movement",
-                             delay, 100.0 * most),
+                             delay, 100.0 * best.explained),
                  advice.bag()
                      ? fmt::format("--radar-offset \"{:+.3f} s\"", delay)
                      : fmt::format("add {:.0f} to the stamps of {}", 1e9 * delay, advice.csv())};
@@ -226,6 +204,18 @@ Findings check_in_windows(const Judge& judge, const std::vector<Agreement>& shif
 }
 
 }  // namespace
+
+BestAxes best_axes(const Agreement& windows, const Options& options, DopplerSign sign) {
+  const Matrix3d configured = options.radar.T_BS.rotation.toRotationMatrix();
+  BestAxes best{{}, 0.0, windows.windows};
+  for (const Axes& axes : candidates(options.radar.T_BS.rotation)) {
+    const double explained = windows.explained(axes.R);
+    if (explained <= best.explained || !allowed(axes, configured, sign)) continue;
+    best.axes = axes;
+    best.explained = explained;
+  }
+  return best;
+}
 
 Findings check_motion(const MotionData& data, const Options& options, const Advice& advice) {
   Findings first;  // of the shortest windows

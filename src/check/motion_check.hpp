@@ -45,6 +45,18 @@ Findings check_motion(const MotionData& data, const Options& options, const Advi
 
 // Its parts: the windows that are judged, their axes, and the gyro.
 
+/// The best of the candidates() in some windows.
+struct BestAxes {
+  Axes axes;
+  double explained = 0.0;   ///< (E4) of motion.hpp
+  std::size_t windows = 0;  ///< their number
+
+  /// In sigmas.
+  double better_than(double other) const { return significance(other, explained, windows); }
+};
+/// @param sign of the Doppler, which may exclude some
+BestAxes best_axes(const Agreement& windows, const Options& options, DopplerSign sign);
+
 inline constexpr double kShortestWindow = 2.0;  ///< hardly notices the biases of the IMU [s]
 
 /// The windows of one length.

@@ -12,6 +12,12 @@
 
 namespace rio::check {
 
+/// A unit that data may be in.
+struct Unit {
+  const char* name;
+  double factor;  ///< to that of SI
+};
+
 /// Possible units of a Doppler, and their factor relative to [m/s].
 struct DopplerUnit {
   const char* name;
