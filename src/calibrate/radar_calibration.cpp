@@ -142,12 +142,10 @@ std::vector<RecordingCalibration> repetition(const std::vector<Recording>& recor
   return pass(recordings, configured.radar, options, true, each);
 }
 
-/// (E2) (E3) of one parameter.
+/// (E2) of one parameter.
 struct Summary {
   Combined whole;
   Combined halves;
-  double halves_apart = 0.0;
-  double recordings_apart = 0.0;
   double squares = 0.0;  ///< of the halves' (E3), over the recordings
 
   /// (E5)
@@ -160,17 +158,20 @@ struct Summary {
   }
 };
 
-Summary summarise(const std::vector<RecordingCalibration>& runs, std::size_t i) {
+/// @param p gets (E2) (E3) of parameter i
+Summary summarise(const std::vector<RecordingCalibration>& runs, std::size_t i,
+                  ParameterCalibration* p) {
   Summary out;
   out.whole = combine(all(runs, i, &RecordingCalibration::whole));
+  *p = {.value = out.whole.value, .run_sigma = out.whole.sigma};
   std::vector<Measured> halves = all(runs, i, &RecordingCalibration::first);
   for (const RecordingCalibration& run : runs) {
     halves.push_back(run.second[i]);
     const double a = apart(run.first[i], run.second[i]);
     out.squares += a * a;
-    out.halves_apart = std::max(out.halves_apart, a);
+    p->halves_apart = std::max(p->halves_apart, a);
     for (const RecordingCalibration& other : runs) {
-      out.recordings_apart = std::max(out.recordings_apart, apart(run.whole[i], other.whole[i]));
+      p->recordings_apart = std::max(p->recordings_apart, apart(run.whole[i], other.whole[i]));
     }
   }
   out.halves = combine(halves);
@@ -202,7 +203,7 @@ void judge_all(const std::vector<RecordingCalibration>& runs, const CalibrationV
   const auto estimated = [&runs](std::size_t i) { return runs.front().whole[i].sigma > 0.0; };
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
     if (!estimated(i)) continue;
-    summaries[i] = summarise(runs, i);
+    summaries[i] = summarise(runs, i, &out->parameters[i]);
     squares += summaries[i].squares;
     count += runs.size();
   }
@@ -211,11 +212,7 @@ void judge_all(const std::vector<RecordingCalibration>& runs, const CalibrationV
     const Summary& s = summaries[i];
     const double others = spread_of_others(squares, s.squares, count, runs.size());
     ParameterCalibration& p = out->parameters[i];
-    p.value = s.whole.value;
     p.prior = priors[static_cast<Eigen::Index>(i)];
-    p.run_sigma = s.whole.sigma;
-    p.halves_apart = s.halves_apart;
-    p.recordings_apart = s.recordings_apart;
     p.spread = s.spread(others);
     p.sigma = std::hypot(s.whole.sigma * std::max(1.0, p.spread), s.whole.value - s.halves.value,
                          kCommonError[i]);
