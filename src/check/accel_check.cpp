@@ -50,8 +50,8 @@ const Unit* unit_if_exchanged(const std::vector<ImuSample>& samples, const Rest&
 
 }  // namespace
 
-Finding check_accel(const std::vector<ImuSample>& samples, const Rest& rest, Source source,
-                    ImuCheck* found) {
+Finding check_accel(const std::vector<ImuSample>& samples, Source source, ImuCheck* found) {
+  const Rest& rest = found->rest;
   const double f = rest.accel.norm();
   const double off = std::abs(f / kStandardGravity - 1.0);
   constexpr double kNothing = 0.5;  // half a g of an IMU in g, little of one in m/s^2

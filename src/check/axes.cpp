@@ -115,16 +115,15 @@ std::string describe(const Matrix3d& configured, const Axes& axes, DopplerSign s
   return mirrored && !seems_opposite(sign) ? *mirrored + " (or " + turned + ")" : turned;
 }
 
-std::string change_of(const Matrix3d& configured, const Axes& axes, DopplerSign sign,
-                      const Options& options, const Advice& advice) {
+std::string change_of(const Matrix3d& configured, const Axes& axes, const FittedRotation& fitted,
+                      DopplerSign sign, const Options& options, const Advice& advice) {
   if (!axes.about.isZero()) {
     return "measure the mounting, or fly with changes of speed in other directions, too";
   }
-  std::string error = axes.sigma > 0.0 ? fmt::format(" +- {:.1f} deg", axes.sigma / kDegree) : "";
-  const bool vague = axes.sigma > options.calibration.rotation_sigma && advice.radar == 0;
-  if (vague) {
-    error +=
-        fmt::format(", with calibration: {{rotation_sigma: {:.1f} deg}}", axes.sigma / kDegree);
+  const double sigma = fitted.sigma / kDegree;
+  std::string error = sigma > 0.0 ? fmt::format(" +- {:.1f} deg", sigma) : "";
+  if (fitted.sigma > options.calibration.rotation_sigma && advice.radar == 0) {
+    error += fmt::format(", with calibration: {{rotation_sigma: {:.1f} deg}}", sigma);
   }
   const auto turned = [&](double hand) {
     const Matrix3d R = hand * axes.R;
@@ -132,7 +131,7 @@ std::string change_of(const Matrix3d& configured, const Axes& axes, DopplerSign 
                          (configured - Matrix3d::Identity()).norm() > 1e-6;
     const auto of_points = mounted ? advice.axes(configured.transpose() * R) : std::nullopt;
     const Vector3d& p = options.radar.T_BS.translation;
-    if (!of_points) return mounting_line(hand * axes.fitted.value_or(axes.R), p, advice) + error;
+    if (!of_points) return mounting_line(hand * fitted.R, p, advice) + error;
     return (advice.info->is_from_tree ? mounting_line(configured, p, advice) + " with " : "") +
            *of_points;
   };

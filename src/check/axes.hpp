@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "check/advice.hpp"
+#include "check/motion.hpp"
 #include "rio/options.hpp"
 #include "rio/types.hpp"
 
@@ -27,9 +28,6 @@ struct Axes {
   double turn = 0.0;                  ///< angle to the configured mounting [rad]
   /// Direction in radar axes; the motion does not show the turn about it. Zero: it shows all.
   Vector3d about = Vector3d::Zero();
-  /// R turned a little by the motion, if that is significantly better, as the mounting to propose.
-  std::optional<Matrix3d> fitted{};
-  double sigma = 0.0;  ///< error of the proposed mounting about its worst axis [rad]
 
   bool as_configured() const { return !doppler_flipped && turn < 1e-6; }
 };
@@ -56,7 +54,8 @@ std::string describe(const Matrix3d& configured, const Axes& axes, DopplerSign s
 
 /// What corrects it: other axes of the points if they are known to be mounted as configured, else
 /// the mounting.
-std::string change_of(const Matrix3d& configured, const Axes& axes, DopplerSign sign,
-                      const Options& options, const Advice& advice);
+/// @param fitted the axes as the mounting to propose
+std::string change_of(const Matrix3d& configured, const Axes& axes, const FittedRotation& fitted,
+                      DopplerSign sign, const Options& options, const Advice& advice);
 
 }  // namespace rio::check

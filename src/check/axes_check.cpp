@@ -120,15 +120,10 @@ void say_nothing_explains(const Judge& judge, double best, Finding* out) {
 }
 
 /// A mounting by right angles stays as it is if the motion shows no other significantly.
-Axes with_error(const Judge& judge, Axes axes) {
-  const FittedRotation fit = fitted_rotation(judge.all, axes.R);
-  axes.sigma = fit.sigma;
-  if (judge.doubt(axes.R, fit.R) > kSignificant) {
-    axes.fitted = fit.R;
-  } else {
-    axes.sigma = std::hypot(fit.sigma, angle_between(axes.R, fit.R));
-  }
-  return axes;
+FittedRotation proposed_mounting(const Judge& judge, const Matrix3d& R) {
+  const FittedRotation fit = fitted_rotation(judge.all, R);
+  if (judge.doubt(R, fit.R) > kSignificant) return fit;
+  return {R, std::hypot(fit.sigma, angle_between(R, fit.R))};
 }
 
 }  // namespace
@@ -231,7 +226,7 @@ Finding check_axes(const Judge& judge, const Axes& found, const std::vector<Axes
   const DopplerSign sign = judge.data.doppler_sign;
   for (const Axes& axes : alike) {
     const Matrix3d turn = axes.R * judge.configured.transpose();
-    const auto imu_axes = judge.advice.imu_axes(turn, judge.data.up);
+    const auto imu_axes = judge.advice.imu_axes(turn, judge.data.imu.check.rest.accel);
     if (!imu_axes) continue;
     out.text += fmt::format(", and {:.0f} % if the IMU is in {}, as its gravity also shows",
                             100.0 * judge.all.explained(axes.R), *imu_axes);
@@ -244,8 +239,8 @@ Finding check_axes(const Judge& judge, const Axes& found, const std::vector<Axes
   for (std::size_t i = 1; i < std::min<std::size_t>(alike.size(), 4); ++i) {
     out.text += ", or as well if " + describe(judge.configured, alike[i], sign);
   }
-  out.change =
-      change_of(judge.configured, with_error(judge, found), sign, judge.options, judge.advice);
+  out.change = change_of(judge.configured, found, proposed_mounting(judge, found.R), sign,
+                         judge.options, judge.advice);
   return out;
 }
 

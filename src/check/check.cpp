@@ -157,9 +157,7 @@ Findings check_one_radar(const CheckedImu& imu, const Scans& recorded,
     }
   }
   const auto judged = [&](const std::vector<RadarSpeed>& some, double scale_error) {
-    return check_motion({imu.good, some, gyro_unit, imu.check.accel_unit, ranges.sign,
-                         imu.check.rest.accel, scale_error},
-                        options, advice);
+    return check_motion({imu, some, gyro_unit, ranges.sign, scale_error}, options, advice);
   };
   constexpr double kSlight = 1.25;
   Findings motion = judged(speeds, kSlight);

@@ -21,8 +21,8 @@ struct Trial : BestAxes {
 };
 
 Agreement windows_with(const Judge& judge, const Matrix3d& factor) {
-  const ImuPath path(judge.data.samples, judge.data.gyro_unit * factor, judge.data.accel_unit);
-  return agreements(judge.data.speeds, path, judge.length, judge.options.radar).front();
+  const MotionData& data = judge.data;
+  return agreements(data.speeds, data.path(factor), judge.length, judge.options.radar).front();
 }
 
 Trial with_rates(const Judge& judge, const Matrix3d& factor) {
@@ -98,7 +98,7 @@ std::optional<Finding> check_too_large(const Judge& judge, double as_read) {
   constexpr double kSlow = 0.3;  // deg/s of a flying or driving vehicle are more [rad/s]
   const auto rate = [&judge](const ImuSample& s) { return judge.data.gyro_unit * s.gyro_B.norm(); };
   std::vector<double> factors = {0.5, 0.25};
-  if (!(quantile_of(judge.data.samples, rate, 0.5) < kSlow)) factors.push_back(kDegree);
+  if (!(quantile_of(judge.data.imu.good, rate, 0.5) < kSlow)) factors.push_back(kDegree);
   const Trial best = best_scaled(judge, factors);
   const double unturned = scaled(judge, 0.0).explained;
   if (best.explained < kExplained || best.better_than(as_read) < kSignificant ||
@@ -225,10 +225,10 @@ std::optional<Finding> check_axes_of_rates(const Judge& judge, double as_read) {
 
 std::optional<double> other_range(const Judge& judge, const Matrix3d& R) {
   constexpr double kAcross = 0.3;  // of the rate about the vertical: gravity shows the range
-  const Vector3d up = judge.data.up.normalized();
+  const Vector3d up = judge.data.imu.check.rest.accel.normalized();
   double vertical = 0.0;
   double across = 0.0;
-  for (const ImuSample& s : judge.data.samples) {
+  for (const ImuSample& s : judge.data.imu.good) {
     vertical += s.gyro_B.dot(up) * s.gyro_B.dot(up);
     across += s.gyro_B.cross(up).squaredNorm();
   }

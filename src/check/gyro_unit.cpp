@@ -44,8 +44,9 @@ double turning_error(const std::vector<ImuSample>& samples, double factor) {
 
 }  // namespace
 
-Finding check_gyro(const std::vector<ImuSample>& samples, const Rest& rest, Source source,
-                   bool counts, double* unit) {
+Finding check_gyro(const std::vector<ImuSample>& samples, Source source, ImuCheck* found) {
+  const Rest& rest = found->rest;
+  double* const unit = &found->gyro_unit;
   constexpr double kAnywhere = 25.0 * kDegree;  // beyond any tilt change in half a second
   constexpr double kFastest = 6.3;  // a turn a second half of the time: no flight is so [rad/s]
   const auto rate = [](const ImuSample& s) { return s.gyro_B.norm(); };
@@ -68,7 +69,7 @@ Finding check_gyro(const std::vector<ImuSample>& samples, const Rest& rest, Sour
   const bool nonsense = never_rests || (as_given > kAnywhere && scaled < 0.5 * as_given);
   if (nonsense || usual > kFastest) {
     *unit = kDegree;
-    if (smaller && counts) {
+    if (smaller && !found->integrable) {
       out.judge(Verdict::kWrong, ": with the accelerometer in no unit, both seem to be raw counts",
                 "multiply both by the sensitivities of the data sheet of the IMU");
     } else if (smaller) {

@@ -109,15 +109,6 @@ Finding check_saturation(const Usable& usable) {
   return out;
 }
 
-/// Samples with the stamp, but not the values, of the one before.
-std::size_t different_at_one_stamp(const std::vector<ImuSample>& samples) {
-  std::size_t count = 0;
-  for (std::size_t i = 1; i < samples.size(); ++i) {
-    count += samples[i].time == samples[i - 1].time && !same_values(samples[i], samples[i - 1]);
-  }
-  return count;
-}
-
 /// At rest, but farther from gravity than the alignment allows (static_alignment.cpp).
 bool is_off_gravity(const ImuCheck& check, const Options& options) {
   const double f = check.accel_unit * check.rest.accel.norm();
@@ -165,8 +156,10 @@ ImuCheck check_imu(const Usable& usable, const io::ImuInfo& info, Source source,
   const std::vector<ImuSample>& good = usable.good();
   ImuCheck out;
   constexpr double kFine = 1e-3;  // less is the rounding of a driver [s]
+  const Repeated same_stamp = repeated(samples);
   if (const double grid = grid_of(samples);
-      good.size() > 1 && grid >= kFine && 3 * different_at_one_stamp(samples) > samples.size()) {
+      good.size() > 1 && grid >= kFine &&
+      3 * (same_stamp.count - same_stamp.twice) > samples.size()) {
     out.findings.push_back(cut_stamps(
         "imu stamps", grid,
         source == Source::kBag ? "--imu-clock receive" : "write them in ns, with all digits"));
@@ -182,13 +175,13 @@ ImuCheck check_imu(const Usable& usable, const io::ImuInfo& info, Source source,
                                 : "correct the stamps: each must be later than the one before"});
     return out;
   }
-  const Rest& rest = out.rest = stillest(good);
-  out.findings.push_back(check_stamps(usable, info, source, csv, &out.stamp_unit));
+  out.rest = stillest(good);
+  out.findings.push_back(check_stamps(usable, info, source, csv, &out));
   if (out.stamp_unit != 1.0) return out;
-  out.findings.push_back(check_accel(good, rest, source, &out));
+  out.findings.push_back(check_accel(good, source, &out));
   if (out.exchanged) return out;
-  if (std::isfinite(rest.spread)) out.findings.push_back(check_up(rest));
-  out.findings.push_back(check_gyro(good, rest, source, !out.integrable, &out.gyro_unit));
+  if (std::isfinite(out.rest.spread)) out.findings.push_back(check_up(out.rest));
+  out.findings.push_back(check_gyro(good, source, &out));
   out.findings.push_back(check_saturation(usable));
   return out;
 }

@@ -61,6 +61,13 @@ inline bool same_values(const ImuSample& a, const ImuSample& b) {
   return a.gyro_B == b.gyro_B && a.accel_B == b.accel_B;
 }
 
+/// Samples with the stamp of the one before.
+struct Repeated {
+  std::size_t count = 0;
+  std::size_t twice = 0;  ///< of these, with its values, too
+};
+Repeated repeated(const std::vector<ImuSample>& samples);
+
 /// The second in which the specific force varies least.
 struct Rest {
   Time begin{0};
@@ -101,23 +108,19 @@ struct CheckedImu {
 ImuCheck check_imu(const Usable& samples, const io::ImuInfo& info, Source source,
                    const std::filesystem::path& csv);
 
-/// The unit of the accelerometer, or what else is in its columns; adds to `found`.
-/// @param samples usable ones
-/// @param rest of them
-Finding check_accel(const std::vector<ImuSample>& samples, const Rest& rest, Source source,
-                    ImuCheck* found);
+// Its parts; each adds to `found`, and may use what those before it found.
 
-/// The unit of the gyro. Parameters as those of check_accel().
-/// @param counts the accelerometer is in no unit
-/// @param unit found [rad/s]; unchanged if it is that
-Finding check_gyro(const std::vector<ImuSample>& samples, const Rest& rest, Source source,
-                   bool counts, double* unit);
-
-/// Unit, rate and order of the stamps, and what the lost samples cost the estimate. Parameters as
-/// those of check_imu(), at least two good samples.
-/// @param unit of the stamps [ns]; unchanged if it is that, else the change is up to the caller
+/// Unit, rate and order of the stamps, and what the lost samples cost the estimate. At least two
+/// good samples. In another unit the change is up to the caller.
 Finding check_stamps(const Usable& samples, const io::ImuInfo& info, Source source,
-                     const std::filesystem::path& csv, double* unit);
+                     const std::filesystem::path& csv, ImuCheck* found);
+
+/// The unit of the accelerometer, or what else is in its columns.
+/// @param samples usable ones
+Finding check_accel(const std::vector<ImuSample>& samples, Source source, ImuCheck* found);
+
+/// The unit of the gyro.
+Finding check_gyro(const std::vector<ImuSample>& samples, Source source, ImuCheck* found);
 
 /// Whether the estimator finds the standstill with which it starts, and what a late one costs;
 /// subject "start".

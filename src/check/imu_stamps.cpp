@@ -76,8 +76,7 @@ std::optional<Bridged> cost_of_gaps(const std::vector<ImuSample>& samples, doubl
 
 /// What the stamps are like.
 struct StampCounts {
-  std::size_t repeated = 0;
-  std::size_t twice = 0;  ///< of these, with the values, too
+  Repeated repeated;
   Strays stray;
   double usual = 0.0;    ///< in longer intervals samples are lost [s]
   double period = 0.0;   ///< [s]
@@ -92,11 +91,7 @@ StampCounts count_stamps(const Usable& samples, std::optional<double> known) {
   const std::vector<ImuSample>& all = samples.all();
   const std::vector<ImuSample>& good = samples.good();
   StampCounts out;
-  for (std::size_t i = 1; i < all.size(); ++i) {
-    if (all[i].time != all[i - 1].time) continue;
-    ++out.repeated;
-    out.twice += same_values(all[i], all[i - 1]) ? 1U : 0U;
-  }
+  out.repeated = repeated(all);
   out.stray = strays(all);
   std::vector<double> periods;
   periods.reserve(good.size());
@@ -117,8 +112,18 @@ StampCounts count_stamps(const Usable& samples, std::optional<double> known) {
 
 }  // namespace
 
+Repeated repeated(const std::vector<ImuSample>& samples) {
+  Repeated out;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    if (samples[i].time != samples[i - 1].time) continue;
+    ++out.count;
+    out.twice += same_values(samples[i], samples[i - 1]) ? 1U : 0U;
+  }
+  return out;
+}
+
 Finding check_stamps(const Usable& samples, const io::ImuInfo& info, Source source,
-                     const std::filesystem::path& csv, double* unit) {
+                     const std::filesystem::path& csv, ImuCheck* found) {
   const std::vector<ImuSample>& all = samples.all();
   const std::vector<ImuSample>& good = samples.good();
   const bool known = source == Source::kFolder && info.rate_hz.has_value();
@@ -132,7 +137,7 @@ Finding check_stamps(const Usable& samples, const io::ImuInfo& info, Source sour
       fmt::format("{} samples in {:.1f} s, one each {:.2f} ms ({:.0f} Hz), {:.1f} % lost, "
                   "longest gap {:.0f} ms, {} repeated, {} out of order",
                   all.size(), to_seconds(good.back().time - good.front().time), 1e3 * period,
-                  1.0 / period, 100.0 * share, 1e3 * n.longest, n.repeated, stray.count)};
+                  1.0 / period, 100.0 * share, 1e3 * n.longest, n.repeated.count, stray.count)};
   const std::optional<Bridged> bridged = cost_of_gaps(good, period, n.usual);
   if (n.lost > 0.0 && bridged) {
     out.text += fmt::format(", bridged at {:.2f} m/s for the longest and {:.1f} deg for all",
@@ -158,17 +163,17 @@ Finding check_stamps(const Usable& samples, const io::ImuInfo& info, Source sour
                   std::string("stamp each sample by itself in its driver"));
   } else if (period < kFastest) {
     const bool micro = 1e3 * period > kFastest;
-    *unit = micro ? 1e3 : 1e6;
+    found->stamp_unit = micro ? 1e3 : 1e6;
     out.judge(Verdict::kWrong, fmt::format(": the stamps are in {}", micro ? "us" : "ms"), "");
   } else if (period > kSlowest) {
     out.judge(Verdict::kWrong, "", "record the IMU at 100 Hz or more");
   } else if (jump.count > 0) {
     out.judge(Verdict::kDoubtful, jump_text(jump), kSplitThere);
-  } else if (static_cast<double>(n.repeated) + static_cast<double>(stray.count) >
+  } else if (static_cast<double>(n.repeated.count) + static_cast<double>(stray.count) >
              0.01 * static_cast<double>(all.size())) {
-    if (2 * n.twice > n.repeated) {
+    if (2 * n.repeated.twice > n.repeated.count) {
       out.judge(Verdict::kDoubtful,
-                fmt::format(", {} of them with the values of the one before", n.twice),
+                fmt::format(", {} of them with the values of the one before", n.repeated.twice),
                 "look for two publishers of one topic, or two recordings of it joined");
     } else {
       out.judge(Verdict::kDoubtful, "",

@@ -45,8 +45,7 @@ std::vector<Agreement> all_shifts(const MotionData& data, double length, const R
   for (RadarSpeed& speed : moved) speed.time += from_seconds(middle);
   std::vector<double> shifts;  // [s]
   for (int i = -kShifts; i <= kShifts; ++i) shifts.push_back(kShiftStep * i);
-  const ImuPath path(data.samples, data.gyro_unit, data.accel_unit);
-  return agreements(moved, path, length, radar, shifts);
+  return agreements(moved, data.path(), length, radar, shifts);
 }
 
 /// The windows in which the axes are judged: at the configured delay, unless another shift is

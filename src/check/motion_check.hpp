@@ -19,6 +19,7 @@
 
 #include "check/advice.hpp"
 #include "check/axes.hpp"
+#include "check/imu_check.hpp"
 #include "check/motion.hpp"
 #include "rio/options.hpp"
 #include "rio/types.hpp"
@@ -31,13 +32,16 @@ inline constexpr std::size_t kFewestWindows = 3;
 
 /// The data, and what other checks found in them.
 struct MotionData {
-  const std::vector<ImuSample>& samples;  ///< CheckedImu::good
+  const CheckedImu& imu;
   const std::vector<RadarSpeed>& speeds;
-  double gyro_unit = 1.0;                            ///< of check_imu() or check_rates()
-  double accel_unit = 1.0;                           ///< of check_imu()
-  DopplerSign doppler_sign = DopplerSign::kUnknown;  ///< of check_ranges()
-  Vector3d up = Vector3d::Zero();                    ///< Rest::accel
-  double scale_error = 1.0;  ///< factor by which a Doppler scale may be off and is right
+  double gyro_unit;          ///< of check_imu() or check_rates()
+  DopplerSign doppler_sign;  ///< of check_ranges()
+  double scale_error;        ///< factor by which a Doppler scale may be off and is right
+
+  /// @param factor of the rates
+  ImuPath path(const Matrix3d& factor = Matrix3d::Identity()) const {
+    return {imu.good, gyro_unit * factor, imu.check.accel_unit};
+  }
 };
 
 /// @param options with the mounting of the radar as that of the first one
