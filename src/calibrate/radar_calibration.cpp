@@ -19,17 +19,14 @@ constexpr auto kTimeOffset = static_cast<std::size_t>(Calibration::kTimeOffset);
 
 using Progress = std::function<void(const std::string&)>;
 
-RadarState calibration_of(const RadarOptions& radar) {
-  return {radar.T_BS, radar.doppler_scale, radar.time_offset};
-}
-
-/// `configured` with the corrections.
-RadarOptions moved(RadarOptions configured, const CalibrationVector& corrections) {
-  const RadarState to = corrected(calibration_of(configured), corrections);
-  configured.T_BS = to.T_BS;
-  configured.doppler_scale = to.doppler_scale;
-  configured.time_offset = to.time_offset;
-  return configured;
+/// The radar as configured, with the corrections.
+RadarOptions moved(const Options& configured, const CalibrationVector& corrections) {
+  const RadarState to = corrected(configured_state(configured.mount(0)), corrections);
+  RadarOptions radar = configured.radar;
+  radar.T_BS = to.T_BS;
+  radar.doppler_scale = to.doppler_scale;
+  radar.time_offset = to.time_offset;
+  return radar;
 }
 
 /// Information of a run without its prior (E1).
@@ -89,10 +86,10 @@ Options repetition_options(Options options) {
 
 /// All recordings, about the calibration of `options`; the results are relative to `configured`.
 std::vector<RecordingCalibration> pass(const std::vector<Recording>& recordings,
-                                       const RadarOptions& configured, const Options& options,
+                                       const Options& configured, const Options& options,
                                        bool with_halves, const Progress& each) {
-  const CalibrationVector centre =
-      corrections_between(calibration_of(configured), calibration_of(options.radar));
+  const CalibrationVector centre = corrections_between(configured_state(configured.mount(0)),
+                                                       configured_state(options.mount(0)));
   std::vector<RecordingCalibration> out;
   for (std::size_t i = 0; i < recordings.size(); ++i) {
     const auto run = [&](const char* part, const std::optional<Start>& start, Time end) {
@@ -137,9 +134,9 @@ CalibrationVector mean(const std::vector<RecordingCalibration>& runs,
 std::vector<RecordingCalibration> repetition(const std::vector<Recording>& recordings,
                                              const Options& configured, const Progress& each) {
   Options options = repetition_options(configured);
-  const auto first = pass(recordings, configured.radar, options, false, each);
-  options.radar = moved(configured.radar, mean(first, options.calibration));
-  return pass(recordings, configured.radar, options, true, each);
+  const auto first = pass(recordings, configured, options, false, each);
+  options.radar = moved(configured, mean(first, options.calibration));
+  return pass(recordings, configured, options, true, each);
 }
 
 /// (E2) of one parameter.
@@ -242,7 +239,7 @@ void fill_result(const Options& configured, RadarCalibration* out) {
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
     if (determined(*out, i)) values[static_cast<Eigen::Index>(i)] = out->parameters[i].value;
   }
-  out->radar = moved(configured.radar, values);
+  out->radar = moved(configured, values);
   CalibrationOptions& c = out->priors;
   c = configured.calibration;
   c.rotation_sigma = tightened(*out, kRotation, 3, c.rotation_sigma);
