@@ -49,14 +49,14 @@ double angle_between(const Matrix3d& a, const Matrix3d& b) {
   return quaternion_log(Quaternion(a.transpose() * b)).norm();
 }
 
-bool mirrors_the_points(const Axes& axes, const Matrix3d& configured) {
-  return mirror_text(configured.transpose() * axes.R, "the points").has_value();
+std::optional<std::string> mirror_of_points(const Axes& axes, const Matrix3d& configured) {
+  return mirror_text(configured.transpose() * axes.R, "the points");
 }
 
 bool allowed(const Axes& axes, const Matrix3d& configured, DopplerSign sign) {
   switch (sign) {
     case DopplerSign::kAsConfigured:
-      return !axes.doppler_flipped || axes.turn < 1e-6 || mirrors_the_points(axes, configured);
+      return !axes.doppler_flipped || axes.turn < 1e-6 || mirror_of_points(axes, configured);
     case DopplerSign::kOpposite:
       return axes.doppler_flipped;
     default:
@@ -110,8 +110,7 @@ std::string describe(const Matrix3d& configured, const Axes& axes, DopplerSign s
   if (axes.turn < 1e-6) return "the Doppler has the wrong sign";
   const std::string turned =
       "the Doppler has the wrong sign and the radar is turned by " + turn_text(configured, -axes.R);
-  const std::optional<std::string> mirrored =
-      mirror_text(configured.transpose() * axes.R, "the points");
+  const std::optional<std::string> mirrored = mirror_of_points(axes, configured);
   return mirrored && !seems_opposite(sign) ? *mirrored + " (or " + turned + ")" : turned;
 }
 
@@ -137,10 +136,9 @@ std::string change_of(const Matrix3d& configured, const Axes& axes, const Fitted
   };
   if (!axes.doppler_flipped) return turned(1.0);
   if (axes.turn < 1e-6) return advice.negate_doppler();
-  const Matrix3d M = configured.transpose() * axes.R;
-  const std::optional<std::string> mirrored = mirror_text(M, "the points");
+  const std::optional<std::string> mirrored = mirror_of_points(axes, configured);
   if (!mirrored || seems_opposite(sign)) return advice.negate_doppler() + " and " + turned(-1.0);
-  if (const auto field = advice.mirror(M)) return *field;
+  if (const auto field = advice.mirror(configured.transpose() * axes.R)) return *field;
   const std::string where = advice.bag() ? "--axes or --field x=... y=... z=..."
                                          : "the columns x, y, z of " + advice.csv();
   return fmt::format("{}, by {}", *mirrored, where);

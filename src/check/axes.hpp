@@ -35,9 +35,6 @@ struct Axes {
 /// The configured mounting first, then the same with the Doppler flipped, then by increasing angle.
 std::vector<Axes> candidates(const Quaternion& configured);
 
-/// Whether these axes mirror the points: two swapped, or one of the wrong sign.
-bool mirrors_the_points(const Axes& axes, const Matrix3d& configured);
-
 /// Whether the sign of the Doppler allows these axes: what looks like the other sign may be
 /// mirrored points, or an inverted accelerometer.
 bool allowed(const Axes& axes, const Matrix3d& configured, DopplerSign sign);
@@ -47,6 +44,8 @@ double angle_between(const Matrix3d& a, const Matrix3d& b);
 
 /// A mirror is two swapped axes or one of the wrong sign: names them. Empty if it is neither.
 std::optional<std::string> mirror_text(const Matrix3d& M, const char* whose);
+/// The same of the points, if these are the true axes.
+std::optional<std::string> mirror_of_points(const Axes& axes, const Matrix3d& configured);
 
 /// The error of the configured mounting, if these are the true axes.
 /// @param sign opposite: it is no mirror

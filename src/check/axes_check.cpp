@@ -153,7 +153,7 @@ Axes choose_axes(const Judge& judge, std::vector<Axes>* alike) {
   const bool strange = alike->front().doppler_flipped && alike->front().turn > 1e-6 &&
                        !seems_opposite(judge.data.doppler_sign);
   if (strange) {
-    prefer([&](const Axes& axes) { return mirrors_the_points(axes, judge.configured); });
+    prefer([&](const Axes& axes) { return mirror_of_points(axes, judge.configured).has_value(); });
   }
   // of a plane motion a radar that is upside down is the same as an angle counted the other way
   if (alike->front().turn > 1e-6 && judge.advice.has("azimuth")) {

@@ -235,8 +235,8 @@ Findings check_all(const std::vector<ImuSample>& recorded, const std::vector<Sca
   for (std::size_t r = 0; r < options.radars() && r < radars.size(); ++r) {
     const io::RadarInfo& info = r == 0 ? sensors.radar_info : sensors.other_radars[r - 1].info;
     of_radars.push_back(check_one_radar(imu, radars[r], steps.radars[r], info,
-                                        {source, &info, r, radars.size() > 1},
-                                        r == 0 ? options : options.seen_by(r), folder));
+                                        {source, &info, r, radars.size() > 1}, options.seen_by(r),
+                                        folder));
   }
   propose_edits_of_one_radar(&of_radars);
   for (std::size_t r = 0; r < of_radars.size(); ++r) {

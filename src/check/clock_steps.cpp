@@ -161,8 +161,7 @@ ClockSteps find_clock_steps(const std::vector<ImuSample>& samples, const std::ve
   const std::vector<ImuSample> moved = without_steps(samples, steps.imu);
   const Usable usable(moved);
   for (std::size_t r = 0; r < radars.size() && r < options.radars(); ++r) {
-    steps.radars[r] =
-        radar_steps(usable.good(), check, radars[r], r == 0 ? options : options.seen_by(r));
+    steps.radars[r] = radar_steps(usable.good(), check, radars[r], options.seen_by(r));
   }
   return steps;
 }

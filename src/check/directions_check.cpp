@@ -3,7 +3,6 @@
 
 #include <Eigen/QR>
 #include <cmath>
-#include <utility>
 #include <vector>
 
 #include "check/motion.hpp"

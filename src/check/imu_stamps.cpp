@@ -8,7 +8,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <utility>
 
 #include "check/advice.hpp"
 #include "check/numbers.hpp"
@@ -27,10 +26,9 @@ struct Bridged {
 
 /// Mean squares of the integrals of rate and specific force over n periods, minus the interpolation
 /// from both ends; empty if no part of the recording is that long.
-std::optional<std::pair<double, double>> mean_squares(const std::vector<ImuSample>& samples,
-                                                      std::size_t n, double period) {
-  double angle = 0.0;
-  double velocity = 0.0;
+std::optional<Bridged> mean_squares(const std::vector<ImuSample>& samples, std::size_t n,
+                                    double period) {
+  Bridged sum;
   double count = 0.0;
   Vector3d gyro = Vector3d::Zero();  // sums over the samples between the ends
   Vector3d accel = Vector3d::Zero();
@@ -40,8 +38,8 @@ std::optional<std::pair<double, double>> mean_squares(const std::vector<ImuSampl
       const ImuSample& last = samples[end];
       if (to_seconds(last.time - first.time) < (static_cast<double>(n) + 0.5) * period) {
         const double inside = static_cast<double>(n - 1);
-        angle += (gyro - 0.5 * inside * (first.gyro_B + last.gyro_B)).squaredNorm();
-        velocity += (accel - 0.5 * inside * (first.accel_B + last.accel_B)).squaredNorm();
+        sum.angle += (gyro - 0.5 * inside * (first.gyro_B + last.gyro_B)).squaredNorm();
+        sum.velocity += (accel - 0.5 * inside * (first.accel_B + last.accel_B)).squaredNorm();
         count += 1.0;
       }
       gyro -= samples[end - n + 1].gyro_B;
@@ -51,7 +49,7 @@ std::optional<std::pair<double, double>> mean_squares(const std::vector<ImuSampl
     accel += samples[end].accel_B;
   }
   if (count == 0.0) return std::nullopt;
-  return std::pair(period * period / count * angle, period * period / count * velocity);
+  return Bridged{period * period / count * sum.velocity, period * period / count * sum.angle};
 }
 
 /// @param usual in longer intervals samples are lost [s]
@@ -67,8 +65,8 @@ std::optional<Bridged> cost_of_gaps(const std::vector<ImuSample>& samples, doubl
   for (const auto& [n, count] : gaps) {
     const auto squares = mean_squares(samples, n, period);
     if (!squares) return std::nullopt;
-    out.angle += count * squares->first;
-    out.velocity = std::sqrt(squares->second);  // the last one is the longest
+    out.angle += count * squares->angle;
+    out.velocity = std::sqrt(squares->velocity);  // the last one is the longest
   }
   out.angle = std::sqrt(out.angle);
   return out;
