@@ -106,8 +106,8 @@ TEST_F(Tool, ExperimentRefusesWhatItCannotDo) {
 TEST(Results, HaveABlockForEveryExperiment) {
   const std::string readme = text_of(RIO_SOURCE_DIR "/data/results/README.md");
   const std::string help = try_rio("experiment --help").output;
-  for (const std::string name : {"icra2023", "iros2024", "uncertainty", "consistency", "ablation",
-                                 "ablation-real", "robustness", "faults", "checks"}) {
+  for (const std::string name : {"icra2023", "iros2024", "consistency", "ablation", "ablation-real",
+                                 "robustness", "faults", "checks"}) {
     expect_parts(help, {name});
     const std::size_t block = readme.find("<!-- rio experiment " + name + " -->\n");
     ASSERT_NE(block, std::string::npos) << name;
